@@ -1,0 +1,22 @@
+"""granstudy: parameter studies of granular gases with the fast Fourier spectral method."""
+
+from granstudy.collision import CollisionOperator, collision_operator
+from granstudy.grid import VelocityGrid
+from granstudy.kernel import VHS, Viscoelastic, hard_spheres, maxwell
+from granstudy.moments import moments
+from granstudy.scene import Scene, load_scene
+from granstudy.solver import Solver
+
+__all__ = [
+    "VHS",
+    "CollisionOperator",
+    "Scene",
+    "Solver",
+    "VelocityGrid",
+    "Viscoelastic",
+    "collision_operator",
+    "hard_spheres",
+    "load_scene",
+    "maxwell",
+    "moments",
+]

@@ -1,0 +1,60 @@
+"""The protocol of a collision operator, and the choice of one by the solver's method."""
+
+from importlib import import_module
+from typing import Protocol
+
+import numpy as np
+
+from granstudy.grid import VelocityGrid
+from granstudy.kernel import check_restitution
+from granstudy.scene import Scene
+from granstudy.solver import Solver
+
+
+class CollisionOperator(Protocol):
+    """Q(f,f) for one scene and one solver: planned once, called often.
+
+    Attributes
+    ----------
+    grid : VelocityGrid
+    dtype : type
+        Type of the state that the method advances: float64, or complex128 where the method never
+        projects on real densities (`literal`).
+    transforms : int
+        Fourier transforms on the grid that one call makes.
+    """
+
+    grid: VelocityGrid
+    dtype: type
+    transforms: int
+
+    def __call__(self, f: np.ndarray) -> np.ndarray:
+        """Q(f,f), of the shape and type of ``f``: real for real densities."""
+
+
+def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:
+    """Plan the collision operator of a scene as the solver's method does it.
+
+    Raises
+    ------
+    ValueError
+        If the scene's restitution leaves [0, 1] at impact speeds up to R, or the quadrature has no
+        rule of the size asked for.
+    """
+    check_restitution(scene.restitution, largest_speed=solver.R)
+    module, name = {
+        "literal": ("literal", "LiteralOperator"),
+        "direct": ("direct", "DirectOperator"),
+        "fast": ("fast", "FastOperator"),
+    }[solver.method]
+    # Imported here so that a method's code is loaded, and fingerprinted, only where it is used.
+    operator = getattr(import_module(f"granstudy.collision.{module}"), name)
+    return operator(scene, solver)
+
+
+def check_state(f: np.ndarray, grid: VelocityGrid) -> None:
+    """Raise ValueError unless ``f`` can be a state on ``grid``."""
+    if np.shape(f) != grid.shape:
+        raise ValueError(f"density has shape {np.shape(f)}: the grid's is {grid.shape}")
+    if not np.all(np.isfinite(f)):
+        raise ValueError("density holds values that are NaN or infinite: all must be finite")

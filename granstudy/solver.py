@@ -1,0 +1,101 @@
+"""Solver: how well a scene is modelled — grid, quadrature, variant, method."""
+
+import dataclasses
+import os
+from dataclasses import dataclass
+from typing import Any
+
+from granstudy.errors import unknown_name
+from granstudy.grid import VelocityGrid
+
+METHODS = ("literal", "direct", "fast")
+VARIANTS = ("full", "separate")
+RADIAL_RULES = ("legendre", "jacobi")
+
+
+@dataclass(frozen=True)
+class Solver:
+    """How well it is modelled.
+
+    Attributes
+    ----------
+    N : int
+        Grid points in each dimension, even.
+    R : float
+        Truncation radius of the relative velocity.
+    N_rho : int or None
+        Radial nodes; None lets `direct` take as many as the integral needs to converge.
+    M_sph, M_cir : int
+        Nodes on the sphere (3D) and on the circle (2D); the other one is not used. For the
+        ``gauss-theta-phi`` rule M_sph is the pair (N_theta, N_phi).
+    variant : str
+        ``full``: gain and loss with the same nodes. ``separate``: the loss from its closed form.
+    method : str
+        ``literal`` (the paper's recipe), ``direct`` (O(N^{2d}) reference), ``fast``.
+    sphere_rule : str
+        ``design``, ``lebedev``, ``product``, ``gauss-theta-phi``, or a text file of unit vectors.
+    radial_rule : str
+        ``legendre`` (the paper) or ``jacobi`` (spectral for every λ).
+    circular : bool
+        For `direct`: whether l+m wraps around the spectrum, as products on the grid do.
+    threads : int or None
+        Threads to use, None for one a core. Results do not depend on it.
+
+    Raises
+    ------
+    ValueError
+        If a field is outside what is stated above; the message names field, value and allowed.
+    """
+
+    N: int
+    R: float
+    N_rho: int | None = 30
+    M_sph: int | tuple[int, int] = 32
+    M_cir: int = 30
+    variant: str = "separate"
+    method: str = "fast"
+    sphere_rule: str = "design"
+    radial_rule: str = "legendre"
+    circular: bool = False
+    threads: int | None = None
+
+    def __post_init__(self) -> None:
+        VelocityGrid(2, self.N, self.R)  # checks N and R
+        if self.N_rho is None:
+            if self.method != "direct":
+                raise ValueError(f"N_rho=None: only method 'direct' allows it, not {self.method!r}")
+        else:
+            _check_count("N_rho", self.N_rho)
+        _check_count("M_cir", self.M_cir)
+        if not isinstance(self.M_sph, (tuple, list)):
+            _check_count("M_sph", self.M_sph)
+        if self.threads is not None:
+            _check_count("threads", self.threads)
+        for field, allowed in (
+            ("variant", VARIANTS),
+            ("method", METHODS),
+            ("radial_rule", RADIAL_RULES),
+        ):
+            if getattr(self, field) not in allowed:
+                raise unknown_name(field, getattr(self, field), allowed)
+
+    def grid(self, dim: int) -> VelocityGrid:
+        """The velocity grid in ``dim`` dimensions."""
+        return VelocityGrid(dim, self.N, self.R)
+
+    @property
+    def thread_count(self) -> int:
+        """Threads to use."""
+        return self.threads or len(os.sched_getaffinity(0))
+
+    def describe(self) -> dict[str, Any]:
+        """The solver as plain data, for a dataset's attributes.
+
+        ``threads`` is left out: it changes how long a run takes, not what comes out.
+        """
+        return {k: v for k, v in dataclasses.asdict(self).items() if k != "threads"}
+
+
+def _check_count(field: str, value: object) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise ValueError(f"{field}={value!r}: must be a positive integer")
