@@ -1,6 +1,8 @@
 """granstudy: parameter studies of granular gases with the fast Fourier spectral method."""
 
 from granstudy.collision import CollisionOperator, collision_operator
+from granstudy.dataset import read_dataset, write_dataset
+from granstudy.evolve import simulate
 from granstudy.grid import VelocityGrid
 from granstudy.kernel import VHS, Viscoelastic, hard_spheres, maxwell
 from granstudy.moments import moments
@@ -19,4 +21,7 @@ __all__ = [
     "load_scene",
     "maxwell",
     "moments",
+    "read_dataset",
+    "simulate",
+    "write_dataset",
 ]

@@ -182,17 +182,10 @@ class AngularSeries:
     ) -> None:
         """Fill Q̂⁺ at the modes of ``group``, which share one |k|."""
         k = self.unit * np.sqrt(float(np.square(modes[group[0]]).sum()))
-        phase = np.array(
-            [
-                mean_phase(
-                    self.restitution,
-                    self.dim,
-                    rho,
-                    rho * k * self.mu,
-                    rho * k * np.sqrt(np.maximum(1 - self.mu**2, 0.0)),
-                )
-                for rho in self.radial.points
-            ]
+        rho = self.radial.points[:, None]
+        across = np.sqrt(np.maximum(1 - self.mu**2, 0.0))
+        phase = mean_phase(
+            self.restitution, self.dim, rho, rho * k * self.mu, rho * k * across
         )
         a = phase @ self.project.T * (-1j) ** self.degrees  # (shells, degrees)
         series = np.einsum("s,sl,msl->ml", self.measure, a, self.bessel).real.copy()

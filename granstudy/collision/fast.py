@@ -3,11 +3,11 @@
 Facts 1 to 4 of docs/method.md §2. For real f the nodes ±g share one transform pair, as f(v)f(v+g) is
 f(v)f(v−g) displaced by g, and the weight of both together is real up to the half-shift e^{i½k·g}:
 
-    Q̂⁺_k = Σ_ρ Σ_r c_r(ρ,|k|) Σ_{±ĝ} w_ĝ e^{iπρ k·ĝ/2L} 2cos(πρβ_r k·ĝ/L) FFT[f(v) f(v−ρĝ)]_k.
+    Q̂⁺_k = |S|C_λ Σ_ρ w_ρ ρ^{d−1+λ} Σ_{±ĝ} w_ĝ e^{iπρ k·ĝ/2L} 2P(ρ,|k|,k·ĝ) FFT[f(v) f(v−ρĝ)]_k
 
-A constant restitution needs one term, β = (1−e)/4 and c = |S|C_λ w_ρ ρ^{d−1+λ} mean(πρα|k|/L); one that
-depends on the impact speed a short sum (`pair_terms`). The loss is one convolution in both variants,
-since a sum over nodes of displaced densities is a multiplier.
+with P = mean(πρα|k|/L) cos(πρβ k·ĝ/L), β = (1−e)/4, for a constant restitution, and a series in (k̂·ĝ)² for
+one that depends on the impact speed. The loss is one convolution in both variants, since a sum over
+nodes of displaced densities is a multiplier.
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -20,7 +20,7 @@ import pyfftw
 from granstudy.collision import kernels
 from granstudy.collision.operator import check_state
 from granstudy.collision.rules import directions, radial_nodes
-from granstudy.collision.variable_restitution import pair_terms
+from granstudy.collision.variable_restitution import pair_series
 from granstudy.collision.weights import alpha, loss_weight, radial_measure, sphere_mean
 from granstudy.quadrature import half
 from granstudy.scene import Scene
@@ -60,13 +60,15 @@ class FastOperator:
         self._place = place.reshape(self._spectrum_shape)
         k = np.pi / grid.L * np.sqrt(k2)
         if callable(scene.restitution):
-            self._beta, means = pair_terms(scene.restitution, grid.dim, radial.points, k)
+            series = pair_series(scene.restitution, grid.dim, radial.points, k)
+            series *= measure[:, None, None]
+            radii = np.pi / grid.L * radial.points
+            self._accumulate = partial(self._accumulate_series, series, k2, radii)
         else:
-            self._beta = np.array([(1.0 - scene.restitution) / 4.0])
-            scale = float(alpha(scene.restitution)) * radial.points[:, None, None]
-            means = sphere_mean(grid.dim, scale * k)
-        self._means = measure[:, None, None] * means
-
+            beta = (1.0 - scene.restitution) / 4.0
+            scale = float(alpha(scene.restitution)) * radial.points[:, None]
+            means = measure[:, None] * sphere_mean(grid.dim, scale * k)
+            self._accumulate = partial(self._accumulate_pairs, beta, means)
         if solver.variant == "separate":
             self._loss = loss_weight(
                 scene.kernel, grid, radial.points, radial.weights, half=True
@@ -98,7 +100,7 @@ class FastOperator:
         self._workspaces: SimpleQueue[_Workspace] = SimpleQueue()
         threads = min(threads, len(self._bounds))
         for _ in range(threads):
-            self._workspaces.put(_Workspace(self._batch, self._shape, len(self._beta)))
+            self._workspaces.put(_Workspace(self._batch, self._shape))
         self._pool = ThreadPoolExecutor(threads)
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
@@ -125,19 +127,45 @@ class FastOperator:
             work.transforms.execute_backward()
             np.multiply(work.transforms.density, f, out=work.transforms.density)
             work.transforms.execute_forward()
-            kernels.accumulate_batch(
-                work.transforms.spectrum,
-                self._nodes[nodes],
-                self._weights[nodes],
-                self._shells[nodes],
-                self._ends[nodes],
-                self._beta,
-                self._means,
-                self._place,
-                work.totals,
-                gain,
-            )
+            self._accumulate(work, nodes, gain)
         self._workspaces.put(work)
+
+    def _accumulate_pairs(
+        self, beta: float, means: np.ndarray, work: "_Workspace", nodes: slice, gain: np.ndarray
+    ) -> None:
+        kernels.accumulate_pairs(
+            work.transforms.spectrum,
+            self._nodes[nodes],
+            self._weights[nodes],
+            self._shells[nodes],
+            self._ends[nodes],
+            beta,
+            means,
+            self._place,
+            work.shell_sum,
+            gain,
+        )
+
+    def _accumulate_series(
+        self,
+        series: np.ndarray,
+        k2: np.ndarray,
+        radii: np.ndarray,
+        work: "_Workspace",
+        nodes: slice,
+        gain: np.ndarray,
+    ) -> None:
+        kernels.accumulate_series(
+            work.transforms.spectrum,
+            self._nodes[nodes],
+            self._weights[nodes],
+            self._shells[nodes],
+            series,
+            self._place,
+            k2,
+            radii,
+            gain,
+        )
 
 
 class _Transforms:
@@ -170,8 +198,8 @@ class _Transforms:
 
 
 class _Workspace:
-    """What one thread needs: a batch's transforms and the open shell's sums."""
+    """What one thread needs: a batch's transforms and the sum over the shell it is in."""
 
-    def __init__(self, batch: int, shape: tuple[int, int, int], terms: int) -> None:
+    def __init__(self, batch: int, shape: tuple[int, int, int]) -> None:
         self.transforms = _Transforms(batch, shape)
-        self.totals = np.zeros((terms, *self.transforms.spectrum.shape[1:]), dtype=np.complex128)
+        self.shell_sum = np.zeros_like(self.transforms.spectrum[0])

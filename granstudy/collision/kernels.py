@@ -50,57 +50,82 @@ def shift(f_hat, displacements, out):
 
 
 @_compile
-def accumulate(product_hat, displacement, weight, beta, totals):
-    """totals[r] += weight · e^{i½k·g} · 2cos(β_r k·g) · product_hat for one antipodal pair ±g.
+def accumulate_pairs(
+    products_hat, displacements, weights, shells, ends, beta, means, place, shell_sum, gain
+):
+    """Sum a batch of antipodal pairs ±g for constant e; where a shell ``ends``, add it to ``gain``.
 
-    ``product_hat`` (N, N', N/2+1) is the transform of f(v) f(v−g), ``displacement`` is g in units
-    L/π. The cosine times the half-shift is e^{i(½+β)k·g} + e^{i(½−β)k·g}, two outer products.
+    shell_sum += weight · e^{i½k·g} · 2cos(βk·g) · products_hat, where products_hat is the transform of
+    f(v) f(v−g). The cosine times the half-shift is e^{i(½+β)k·g} + e^{i(½−β)k·g}, two outer products. At
+    the end of a shell gain += means[shell, |k|²] · shell_sum.
+
+    ``products_hat`` (≥B, N, N', N/2+1); ``displacements`` g (B, 3) in units L/π; ``weights``, ``shells``,
+    ``ends`` (B,); ``means`` (shells, distinct |k|²); ``place`` of each mode's |k|² in them.
     """
-    nx, ny, nz = product_hat.shape
+    _, nx, ny, nz = products_hat.shape
     unpaired = nz - 1
-    phases = np.empty((2, 3, max(nx, nz)), np.complex128)
-    for r in range(beta.shape[0]):
+    px = np.empty((2, nx), np.complex128)
+    py = np.empty((2, ny), np.complex128)
+    pz = np.empty((2, nz), np.complex128)
+    for b in range(displacements.shape[0]):
         for s in range(2):
-            factor = 0.5 + beta[r] if s == 0 else 0.5 - beta[r]
-            phase_vector(factor * displacement[0], unpaired, phases[s, 0, :nx])
-            phase_vector(factor * displacement[1], unpaired, phases[s, 1, :ny])
-            phase_vector(factor * displacement[2], unpaired, phases[s, 2, :nz])
-        plus = phases[0, 2, :nz]
-        minus = phases[1, 2, :nz]
+            factor = 0.5 + beta if s == 0 else 0.5 - beta
+            phase_vector(factor * displacements[b, 0], unpaired, px[s])
+            phase_vector(factor * displacements[b, 1], unpaired, py[s])
+            phase_vector(factor * displacements[b, 2], unpaired, pz[s])
         for i in range(nx):
             for j in range(ny):
-                row_plus = weight * phases[0, 0, i] * phases[0, 1, j]
-                row_minus = weight * phases[1, 0, i] * phases[1, 1, j]
+                plus = weights[b] * px[0, i] * py[0, j]
+                minus = weights[b] * px[1, i] * py[1, j]
                 for k in range(nz):
-                    totals[r, i, j, k] += (
-                        row_plus * plus[k] + row_minus * minus[k]
-                    ) * product_hat[i, j, k]
-
-
-@_compile
-def close_shell(totals, means, place, gain):
-    """gain += Σ_r means[r, |k|²] · totals[r], then totals = 0: what depends on |k| only."""
-    for r in range(totals.shape[0]):
-        for i in range(totals.shape[1]):
-            for j in range(totals.shape[2]):
-                for k in range(totals.shape[3]):
-                    gain[i, j, k] += means[r, place[i, j, k]] * totals[r, i, j, k]
-                    totals[r, i, j, k] = 0.0
-
-
-@_compile
-def accumulate_batch(
-    products_hat, displacements, weights, shells, ends, beta, means, place, totals, gain
-):
-    """Accumulate a batch of pairs; where a shell ``ends``, close it into ``gain``.
-
-    ``products_hat`` (≥B, N, N', N/2+1); ``displacements`` (B, 3); ``weights``, ``shells``, ``ends``
-    (B,); ``beta`` (r,); ``means`` (shells, r, distinct |k|²); ``totals`` (r, N, N', N/2+1).
-    """
-    for b in range(displacements.shape[0]):
-        accumulate(products_hat[b], displacements[b], weights[b], beta, totals)
+                    shell_sum[i, j, k] += (plus * pz[0, k] + minus * pz[1, k]) * products_hat[
+                        b, i, j, k
+                    ]
         if ends[b]:
-            close_shell(totals, means[shells[b]], place, gain)
+            mean = means[shells[b]]
+            for i in range(nx):
+                for j in range(ny):
+                    for k in range(nz):
+                        gain[i, j, k] += mean[place[i, j, k]] * shell_sum[i, j, k]
+                        shell_sum[i, j, k] = 0.0
+
+
+@_compile
+def accumulate_series(
+    products_hat, displacements, weights, shells, series, place, k2, radii, gain
+):
+    """Sum a batch of antipodal pairs ±g for e(|g·ω|): their weight is a series in (k̂·ĝ)².
+
+    gain += weight · e^{i½k·g} · 2Σ_n series[shell, |k|², n] T_n(2(k̂·ĝ)²−1) · products_hat, by Clenshaw's
+    recurrence. Shapes as in `accumulate_pairs`; ``k2`` holds the distinct |k|², ``radii`` the shells'
+    ρ in units L/π.
+    """
+    _, nx, ny, nz = products_hat.shape
+    unpaired = nz - 1
+    px = np.empty(nx, np.complex128)
+    py = np.empty(ny, np.complex128)
+    pz = np.empty(nz, np.complex128)
+    for b in range(displacements.shape[0]):
+        gx, gy, gz = displacements[b]
+        phase_vector(0.5 * gx, unpaired, px)
+        phase_vector(0.5 * gy, unpaired, py)
+        phase_vector(0.5 * gz, unpaired, pz)
+        rho2 = radii[shells[b]] ** 2
+        for i in range(nx):
+            kx = i if i < unpaired else i - nx
+            for j in range(ny):
+                ky = j if j < unpaired else j - ny
+                row = 2.0 * weights[b] * px[i] * py[j]
+                for k in range(nz):
+                    coefficients = series[shells[b], place[i, j, k]]
+                    k_dot_g = kx * gx + ky * gy + k * gz
+                    square = max(k2[place[i, j, k]], 1) * rho2
+                    t = 2.0 * (2.0 * k_dot_g * k_dot_g / square - 1.0)
+                    now, before = 0.0, 0.0
+                    for n in range(coefficients.size - 1, 0, -1):
+                        now, before = t * now - before + coefficients[n], now
+                    value = 0.5 * t * now - before + coefficients[0]
+                    gain[i, j, k] += value * row * pz[k] * products_hat[b, i, j, k]
 
 
 @_compile

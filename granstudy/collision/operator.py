@@ -52,9 +52,13 @@ def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:
     return operator(scene, solver)
 
 
+class NotFiniteError(ValueError):
+    """A density holds NaN or infinite values."""
+
+
 def check_state(f: np.ndarray, grid: VelocityGrid) -> None:
-    """Raise ValueError unless ``f`` can be a state on ``grid``."""
+    """Raise ValueError unless ``f`` can be a state on ``grid``: its shape, and finite values."""
     if np.shape(f) != grid.shape:
         raise ValueError(f"density has shape {np.shape(f)}: the grid's is {grid.shape}")
     if not np.all(np.isfinite(f)):
-        raise ValueError("density holds values that are NaN or infinite: all must be finite")
+        raise NotFiniteError("density holds values that are NaN or infinite: all must be finite")

@@ -13,14 +13,6 @@ from scipy.special import j0
 from granstudy.collision.weights import alpha
 from granstudy.grid import VelocityGrid
 
-SAMPLES = 48
-"""Gauss–Legendre nodes in |k̂·ĝ| at which a pair's weight is fitted."""
-
-FIT_TOLERANCE = 1e-11
-"""Largest error of the fit; the weight itself is at most 1."""
-
-MOST_TERMS = 32
-
 RestitutionLaw = Callable[[np.ndarray], np.ndarray]
 
 
@@ -29,8 +21,7 @@ def deflections(dim: int, scale: float) -> tuple[np.ndarray, np.ndarray]:
 
     The measure of the mean is 2u du in 3D and (2/π) du/√(1−u²), that is dχ/π, in 2D.
     """
-    count = 48 + int(scale)
-    x, w = np.polynomial.legendre.leggauss(count)
+    x, w = np.polynomial.legendre.leggauss(48 + int(0.75 * scale))
     if dim == 2:
         return np.sin(np.pi / 4 * (x + 1)), w / 2
     u = (x + 1) / 2
@@ -40,23 +31,23 @@ def deflections(dim: int, scale: float) -> tuple[np.ndarray, np.ndarray]:
 def mean_phase(
     restitution: RestitutionLaw,
     dim: int,
-    rho: float,
+    rho: np.ndarray | float,
     parallel: np.ndarray,
     transverse: np.ndarray,
 ) -> np.ndarray:
     """Mean over σ of e^{iα K·(ĝ−σ)} with K = πρk/L split along and across ĝ.
 
     K·(ĝ−σ) = 2u² K∥ − 2u√(1−u²) K⊥ cos φ with u = sin(χ/2); the mean over φ is a Bessel function in
-    3D and a cosine (φ = 0, π) in 2D. Shape: that of ``parallel`` and ``transverse``.
+    3D and a cosine (φ = 0, π) in 2D. ``rho`` broadcasts with ``parallel`` and ``transverse``; the
+    result has their common shape.
     """
-    scale = float(np.max(np.abs(parallel)) + np.max(transverse))
-    u, weights = deflections(dim, scale)
-    alphas = alpha(np.asarray(restitution(rho * u), dtype=float))
+    u, weights = deflections(dim, float(np.max(np.hypot(parallel, transverse))))
     ring_mean = np.cos if dim == 2 else j0
     total = np.zeros(np.broadcast_shapes(parallel.shape, transverse.shape), dtype=np.complex128)
-    for ui, ai, wi in zip(u, np.broadcast_to(alphas, u.shape), weights, strict=True):
-        across = ring_mean(2 * ai * ui * np.sqrt(1 - ui**2) * transverse)
-        total += wi * np.exp(2j * ai * ui**2 * parallel) * across
+    for ui, wi in zip(u, weights, strict=True):
+        doubled = 2 * ui * alpha(np.asarray(restitution(rho * ui), dtype=float))
+        across = ring_mean(doubled * np.sqrt(1 - ui**2) * transverse)
+        total += wi * np.exp(1j * doubled * ui * parallel) * across
     return total
 
 
@@ -71,15 +62,13 @@ def mean_gain(
     return mean_phase(restitution, grid.dim, rho, scale * parallel, scale * transverse)
 
 
-def pair_terms(
+def pair_series(
     restitution: RestitutionLaw, dim: int, radii: np.ndarray, k: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Terms of an antipodal pair's gain weight, Σ_r means[ρ, r, |k|] cos(β_r ρ k·ĝ).
+) -> np.ndarray:
+    """Weight of an antipodal pair ±ĝ as Chebyshev series Σ_n c[ρ, |k|, n] T_n(2(k̂·ĝ)² − 1).
 
-    The exact weight Re(mean_phase · e^{−i½ρ k·ĝ}) is even in k·ĝ and of frequency at most ½ρ|k|; it is
-    fitted in least squares over directions, a shell and a |k| at a time, by cosines of fixed
-    frequencies. Few suffice as e varies little over a scene's impacts; their number is doubled until
-    the fit is within `FIT_TOLERANCE`.
+    The weight Re(mean_phase · e^{−i½ρ k·ĝ}) is even in k̂·ĝ and oscillates no faster than ½ρ|k|, so
+    that interpolation in ½ρ|k|/2 + 12 Chebyshev points of (k̂·ĝ)² is exact to round-off for smooth laws.
 
     Parameters
     ----------
@@ -87,37 +76,17 @@ def pair_terms(
         Radial nodes ρ.
     k : ndarray, shape (n,)
         Magnitudes π|k|/L.
-
-    Returns
-    -------
-    beta : ndarray, shape (r,)
-    means : ndarray, shape (shells, r, n)
-
-    Raises
-    ------
-    ValueError
-        If no number of terms up to `MOST_TERMS` reaches the tolerance.
     """
-    x, w = np.polynomial.legendre.leggauss(SAMPLES)
-    mu, root = (x + 1) / 2, np.sqrt(w / 2)
-    exact = np.empty((len(radii), SAMPLES, len(k)))
-    for shell, rho in enumerate(radii):
-        parallel = rho * mu[:, None] * k
-        transverse = rho * np.sqrt(1 - mu[:, None] ** 2) * k
+    count = 12 + int(0.3 * np.max(radii) * np.max(k))
+    theta = np.pi * (np.arange(count) + 0.5) / count
+    mu = np.sqrt((1 + np.cos(theta)) / 2)
+    rho = radii[:, None]
+    samples = np.empty((len(radii), len(k), count))
+    for i, magnitude in enumerate(k):
+        parallel = rho * magnitude * mu
+        transverse = rho * magnitude * np.sqrt(1 - mu**2)
         phase = mean_phase(restitution, dim, rho, parallel, transverse)
-        exact[shell] = (phase * np.exp(-0.5j * parallel)).real
-    terms = 1
-    while terms <= MOST_TERMS:
-        beta = 0.25 * (1.0 - np.cos(np.pi * (np.arange(terms) + 0.5) / terms))
-        # (shells, n, SAMPLES, r)
-        basis = np.cos(beta * (radii[:, None, None] * k[:, None] * mu)[..., None])
-        inverse = np.linalg.pinv(root[:, None] * basis, rcond=1e-13)
-        means = np.einsum("skrm,m,smk->srk", inverse, root, exact)
-        fitted = np.einsum("skmr,srk->smk", basis, means)
-        if np.max(np.abs(fitted - exact)) <= FIT_TOLERANCE:
-            return beta, means
-        terms *= 2
-    raise ValueError(
-        f"restitution={restitution!r}: its gain weight needs more than {MOST_TERMS} terms for "
-        f"{FIT_TOLERANCE:g}; use method 'literal' or a smoother law"
-    )
+        samples[:, i] = (phase * np.exp(-0.5j * parallel)).real
+    n = np.arange(count)
+    project = np.cos(np.outer(theta, n)) * np.where(n == 0, 1.0, 2.0) / count
+    return samples @ project

@@ -1,0 +1,278 @@
+"""Labelled datasets of runs, and NetCDF files that appear whole or not at all."""
+
+import hashlib
+import json
+import os
+import platform
+import subprocess
+import tempfile
+from collections.abc import Hashable
+from datetime import UTC, datetime
+from enum import IntEnum
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from granstudy import theory
+from granstudy.grid import VelocityGrid
+from granstudy.kernel import sphere_area
+from granstudy.moments import COMPONENTS, LONG_NAMES
+from granstudy.scene import Scene
+from granstudy.solver import Solver
+
+CONVENTIONS = "CF-1.11"
+LIBRARIES = ("granstudy", "numpy", "scipy", "pyfftw", "numba", "xarray")
+TEMPORARY_PREFIX = ".partial-"
+
+
+class Status(IntEnum):
+    """How a run ended."""
+
+    OK = 0
+    FAILED = 1
+    DIVERGED = 2
+
+
+def run_coordinates(scene: Scene, solver: Solver, dt: float | None = None) -> dict[str, Any]:
+    """Every parameter of a run as a scalar coordinate under the paper's symbol."""
+    coordinates: dict[str, Any] = {
+        "N": solver.N,
+        "R": solver.R,
+        "variant": solver.variant,
+        "method": solver.method,
+        "exponent": scene.kernel.exponent,
+        "epsilon": float(scene.diffusion),
+        "N_rho": -1 if solver.N_rho is None else solver.N_rho,
+    }
+    if callable(scene.restitution):
+        coordinates["restitution"] = repr(scene.restitution)
+    else:
+        coordinates["e"] = float(scene.restitution)
+    if scene.dim == 2:
+        coordinates["M_cir"] = solver.M_cir
+    else:
+        coordinates["sphere_rule"] = solver.sphere_rule
+        if isinstance(solver.M_sph, (tuple, list)):
+            coordinates["N_theta"], coordinates["N_phi"] = solver.M_sph
+        coordinates["M_sph"] = int(np.prod(solver.M_sph))
+    if dt is not None:
+        coordinates["dt"] = dt
+    return coordinates
+
+
+def evolution_dataset(
+    scene: Scene,
+    solver: Solver,
+    grid: VelocityGrid,
+    dt: float,
+    history: list[dict[str, Any]],
+    snapshots: dict[float, np.ndarray],
+    status: Status,
+    reason: str,
+    warnings: list[str],
+) -> xr.Dataset:
+    """Dataset of a simulation: moments over ``time``, densities over ``snapshot``, status.
+
+    Where an exact temperature law is known (Maxwell molecules, constant e) it holds two references and
+    two errors: `temperature_error`, of the temperature divided by the density, against the law with that
+    density; and `paper_temperature_error`, the paper's measure, of 2E/d against the law of unit density.
+    Both laws start from the discrete initial value.
+    """
+    time = dt * np.arange(len(history))
+    components = list(COMPONENTS[: grid.dim])
+    dims = {"velocity": ("component",), "pressure": ("component", "component_")}
+    data: dict[str, Any] = {
+        name: (
+            ("time", *dims.get(name, ())),
+            np.array([values[name] for values in history]),
+            {"long_name": LONG_NAMES[name], "units": "1"},
+        )
+        for name in LONG_NAMES
+    }
+    ds = xr.Dataset(
+        data,
+        coords={
+            "time": ("time", time, {"long_name": "time t", "units": "1"}),
+            "component": components,
+            "component_": components,
+        },
+    )
+    if scene.kernel.exponent == 0.0 and not callable(scene.restitution):
+        law = {
+            "t": time,
+            "restitution": float(scene.restitution),
+            "diffusion": scene.diffusion,
+            "cross_section": sphere_area(scene.dim) * scene.kernel.strength,
+        }
+        density0 = float(ds["density"][0])
+        for name, density in (("temperature", density0), ("paper_temperature", 1.0)):
+            exact = theory.maxwell_temperature(T0=float(ds[name][0]), density=density, **law)
+            long_name = f"exact law of {name} from its discrete initial value"
+            ds[f"{name}_exact"] = ("time", exact, {"long_name": long_name, "units": "1"})
+            error = np.abs(ds[name].values - exact)
+            long_name = f"|{name} − {name}_exact|"
+            ds[f"{name}_error"] = ("time", error, {"long_name": long_name, "units": "1"})
+    if snapshots:
+        axes = [f"v{c}" for c in components]
+        attributes = {"long_name": "velocity density f", "units": "1"}
+        f = np.array(list(snapshots.values()))
+        ds["f"] = (("snapshot", *axes), f, attributes)
+        ds = ds.assign_coords(_velocity_axes(grid))
+        times = list(snapshots)
+        ds = ds.assign_coords(snapshot=("snapshot", times, {"long_name": "time t", "units": "1"}))
+    return _finish(ds, scene, solver, dt, status, reason, warnings, "evolution")
+
+
+def collision_dataset(
+    scene: Scene, solver: Solver, grid: VelocityGrid, Q: np.ndarray
+) -> xr.Dataset:
+    """Dataset of one evaluation Q(f0,f0) on the initial density, shape ``grid.shape``."""
+    axes = [f"v{c}" for c in COMPONENTS[: grid.dim]]
+    attributes = {"long_name": "collision operator Q(f0,f0)", "units": "1"}
+    ds = xr.Dataset({"Q": (axes, Q, attributes)}, coords=_velocity_axes(grid))
+    finite = bool(np.all(np.isfinite(Q)))
+    status, reason = (Status.OK, "") if finite else (Status.DIVERGED, "Q is not finite")
+    return _finish(ds, scene, solver, None, status, reason, [], "collision")
+
+
+def _velocity_axes(grid: VelocityGrid) -> dict[str, Any]:
+    return {
+        f"v{c}": (f"v{c}", grid.nodes, {"long_name": f"velocity {c}", "units": "1"})
+        for c in COMPONENTS[: grid.dim]
+    }
+
+
+def _finish(
+    ds: xr.Dataset,
+    scene: Scene,
+    solver: Solver,
+    dt: float | None,
+    status: Status,
+    reason: str,
+    warnings: list[str],
+    title: str,
+) -> xr.Dataset:
+    ds["status"] = (
+        (),
+        np.int8(status),
+        {
+            "long_name": "how the run ended",
+            "flag_values": np.array([s.value for s in Status], dtype=np.int8),
+            "flag_meanings": " ".join(s.name.lower() for s in Status),
+            "reason": reason,
+            "warnings": "\n".join(warnings),
+        },
+    )
+    ds = ds.assign_coords(run_coordinates(scene, solver, dt))
+    ds.attrs = {
+        "title": f"granstudy {title}",
+        "Conventions": CONVENTIONS,
+        "history": f"granstudy {version('granstudy')}",
+        "scene": json.dumps(scene.describe(), sort_keys=True),
+        "solver": json.dumps(solver.describe(), sort_keys=True),
+        "versions": json.dumps({name: version(name) for name in LIBRARIES}, sort_keys=True),
+        "git_commit": git_commit(),
+    }
+    return ds
+
+
+@cache
+def git_commit() -> str:
+    """Commit of the checkout that the package runs from, or "" outside one."""
+    try:
+        answer = subprocess.run(
+            ["git", "rev-parse", "HEAD"],
+            cwd=Path(__file__).parent,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return ""
+    return answer.stdout.strip()
+
+
+def payload_checksum(ds: xr.Dataset) -> str:
+    """SHA-256 over names, dimensions and bytes of all variables."""
+    digest = hashlib.sha256()
+    for name in sorted(map(str, ds.variables)):
+        variable = ds.variables[name]
+        values = np.ascontiguousarray(variable.values)
+        if values.dtype.kind in "OUST":
+            content = json.dumps(values.tolist()).encode()
+        else:
+            content = values.tobytes()
+        digest.update(f"{name}{variable.dims}".encode())
+        digest.update(content)
+    return digest.hexdigest()
+
+
+def write_dataset(ds: xr.Dataset, path: str | Path, duration: float | None = None) -> None:
+    """Write a dataset to NetCDF, whole or not at all, with a checksum of its payload.
+
+    The file is written beside the target, synchronised and renamed. What varies from run to run (time,
+    host, ``duration`` in seconds) goes to ``<path>.json``, so that the same run gives the same bytes.
+    """
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    ds = ds.assign_attrs(payload_sha256=payload_checksum(ds))
+    encoding: dict[Hashable, Any] = {
+        name: {"zlib": True, "complevel": 1, "shuffle": True, "_FillValue": None}
+        for name, variable in ds.variables.items()
+        if variable.dtype.kind == "f" and variable.ndim > 0
+    }
+    sidecar = {
+        "written": datetime.now(UTC).isoformat(timespec="seconds"),
+        "host": platform.node(),
+        "duration_seconds": duration,
+    }
+    write_whole(
+        path.with_name(path.name + ".json"),
+        lambda partial: partial.write_text(json.dumps(sidecar, indent=1) + "\n"),
+    )
+    write_whole(
+        path, lambda partial: ds.to_netcdf(partial, engine="netcdf4", encoding=encoding)
+    )
+
+
+def write_whole(path: Path, write: Any) -> None:
+    """Call ``write`` on a temporary file beside ``path``, synchronise it and rename it to ``path``."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(prefix=TEMPORARY_PREFIX, suffix=path.suffix, dir=path.parent)
+    os.close(handle)
+    partial = Path(name)
+    try:
+        write(partial)
+        with open(partial, "rb") as file:
+            os.fsync(file.fileno())
+        partial.chmod(0o644)
+        os.replace(partial, path)
+        folder = os.open(path.parent, os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def read_dataset(path: str | Path) -> xr.Dataset:
+    """Read a dataset into memory and verify its checksum.
+
+    Raises
+    ------
+    ValueError
+        If the file has no checksum or holds another payload than was written.
+    """
+    with xr.open_dataset(path, engine="netcdf4") as stored:
+        ds = stored.load()
+    expected = ds.attrs.get("payload_sha256")
+    if expected is None:
+        raise ValueError(f"{path}: has no payload_sha256; granstudy did not write it")
+    if payload_checksum(ds) != expected:
+        raise ValueError(f"{path}: its payload does not match its checksum; the file is damaged")
+    return ds

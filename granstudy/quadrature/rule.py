@@ -1,0 +1,153 @@
+"""Quadrature rules: points and weights, and nothing about integrands."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+
+ANTIPODAL_TOLERANCE = 1e-12
+"""Distance within which x_j is the antipode −x_i, and relative difference of equal weights."""
+
+UNIT_TOLERANCE = 1e-12
+"""Largest | |x_i| − 1 | of a direction."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rule:
+    """Σ_i weights_i φ(points_i), an approximation of an integral of φ.
+
+    Attributes
+    ----------
+    points : ndarray, read-only
+        (n,) for a radial rule, (n, 2) unit vectors on the circle, (n, 3) on the sphere.
+    weights : ndarray, read-only
+        (n,). They sum to the measure of the domain: R, 2π or 4π.
+    degree : int
+        The rule is exact for polynomials (on the circle and sphere: harmonics) to this degree;
+        −1 where not even constants are.
+    name : str
+        What it is, for people.
+
+    Raises
+    ------
+    ValueError
+        If the shapes do not match, a number is not finite, or a direction is not a unit vector.
+    """
+
+    points: NDArray[np.float64]
+    weights: NDArray[np.float64]
+    degree: int
+    name: str
+
+    def __post_init__(self) -> None:
+        for field in ("points", "weights"):
+            object.__setattr__(self, field, _read_only(field, getattr(self, field)))
+        if self.points.ndim not in (1, 2) or self.points.shape[1:] not in ((), (2,), (3,)):
+            raise ValueError(f"points: shape {self.points.shape}; must be (n,), (n, 2) or (n, 3)")
+        if self.weights.shape != self.points.shape[:1] or len(self.weights) == 0:
+            raise ValueError(
+                f"weights: shape {self.weights.shape} for points of shape {self.points.shape}; "
+                "must be one for each of at least one point"
+            )
+        if self.points.ndim == 2:
+            check_unit_vectors("points", self.points)
+
+    def __len__(self) -> int:
+        return len(self.weights)
+
+    @cached_property
+    def antipodal(self) -> bool:
+        """Whether −x is a point with the same weight whenever x is, to `ANTIPODAL_TOLERANCE`.
+
+        False for a radial rule.
+        """
+        if self.points.ndim == 1:
+            return False
+        distance, partner = _antipodes(self.points)
+        difference = np.abs(self.weights - self.weights[partner])
+        return bool(
+            np.all(distance <= ANTIPODAL_TOLERANCE)
+            and np.all(difference <= ANTIPODAL_TOLERANCE * np.abs(self.weights))
+            and np.all(partner[partner] == np.arange(len(self)))
+        )
+
+
+def symmetrise(rule: Rule) -> Rule:
+    """Make the antipodal rule ½ Σ_i w_i [φ(x_i) + φ(−x_i)]; one that is antipodal stays as it is.
+
+    Row i + n is minus row i. Odd functions are then integrated exactly, so an even degree grows by
+    one.
+
+    Raises
+    ------
+    ValueError
+        For a radial rule.
+    """
+    _check_directions(rule)
+    if rule.antipodal:
+        return rule
+    points = np.concatenate([rule.points, -rule.points])
+    weights = np.concatenate([rule.weights, rule.weights]) / 2
+    return Rule(points, weights, _antipodal_degree(rule.degree), f"{rule.name}, symmetrised")
+
+
+def half(rule: Rule) -> Rule:
+    """One point of each antipodal pair of `symmetrise(rule)`, with the weight of both.
+
+    For a solver that evaluates ½ [φ(x) + φ(−x)] at once: the half rule applied to that average is
+    the symmetrised rule applied to φ, and has its degree (which holds for averages, that is, for
+    even functions, only). Of each pair the point that comes first is kept. A rule that is not
+    antipodal therefore keeps all its points and weights.
+
+    Raises
+    ------
+    ValueError
+        For a radial rule.
+    """
+    _check_directions(rule)
+    if not rule.antipodal:
+        points, weights = rule.points, rule.weights
+    else:
+        partner = _antipodes(rule.points)[1]
+        first = np.arange(len(rule)) < partner
+        points = rule.points[first]
+        weights = rule.weights[first] + rule.weights[partner][first]
+    degree = rule.degree if rule.antipodal else _antipodal_degree(rule.degree)
+    return Rule(points, weights, degree, f"half of {rule.name}")
+
+
+def check_unit_vectors(field: str, points: NDArray[np.float64]) -> None:
+    """Raise a ValueError naming `field` and the worst row if a row is not of unit length."""
+    deviation = np.abs(np.linalg.norm(points, axis=1) - 1)
+    worst = int(np.argmax(deviation))
+    if deviation[worst] > UNIT_TOLERANCE:
+        raise ValueError(
+            f"{field}: row {worst} has a length off 1 by {deviation[worst]:.1e}; "
+            f"must be unit vectors within {UNIT_TOLERANCE:.0e}"
+        )
+
+
+def _read_only(field: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Copy, check to be finite, and make read-only."""
+    array = np.array(values, dtype=np.float64)
+    if not np.all(np.isfinite(array)):
+        raise ValueError(f"{field}: not all finite")
+    array.flags.writeable = False
+    return array
+
+
+def _antipodes(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    """For each x the distance from −x to the nearest point, and that point's row."""
+    return KDTree(points).query(-points)
+
+
+def _antipodal_degree(degree: int) -> int:
+    """Degree once odd functions are exact too: the next odd one from an even one."""
+    return degree + 1 if degree % 2 == 0 else degree
+
+
+def _check_directions(rule: Rule) -> None:
+    if rule.points.ndim == 1:
+        raise ValueError(f"rule {rule.name!r} is radial: only directions have antipodes")

@@ -1,0 +1,177 @@
+"""Rules on the sphere."""
+
+import os
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import lebedev_rule
+
+from granstudy.errors import unknown_name
+from granstudy.quadrature.design_data import DESIGN_DEGREE, design_points
+from granstudy.quadrature.harmonics import exact_degree
+from granstudy.quadrature.rule import Rule, check_unit_vectors
+
+LEBEDEV_DEGREE = {
+    6: 3, 14: 5, 26: 7, 38: 9, 50: 11, 74: 13, 86: 15, 110: 17, 146: 19, 170: 21, 194: 23,
+    230: 25, 266: 27, 302: 29, 350: 31, 434: 35, 590: 41, 770: 47, 974: 53, 1202: 59, 1454: 65,
+    1730: 71, 2030: 77, 2354: 83, 2702: 89, 3074: 95, 3470: 101, 3890: 107, 4334: 113, 4802: 119,
+    5294: 125, 5810: 131,
+}  # fmt: skip
+"""Degree of the Lebedev rule of each size, as in `scipy.integrate.lebedev_rule` (Lebedev and
+Laikov 1999). Those of 74, 230 and 266 points have negative weights."""
+
+PRODUCT_SIZES = tuple(2 * n**2 for n in range(1, 65))
+
+SPHERE_RULES = ("design", "lebedev", "product", "gauss-theta-phi")
+
+Size = int | tuple[int, int] | None
+
+
+def sphere_rule(M_sph: Size, rule: str | os.PathLike[str] = "design") -> Rule:
+    """Rule with M_sph points on the unit sphere, weights summing to 4π (docs/method.md §2).
+
+    design
+        Symmetric spherical designs, equal weights, computed by `granstudy.quadrature.designs`.
+    lebedev
+        Lebedev's octahedral rules, from scipy.
+    product
+        n Gauss–Legendre nodes in cos θ × 2n uniform φ from 0 on, M_sph = 2n², degree 2n − 1.
+    gauss-theta-phi
+        The paper's Table 8: Gauss–Legendre in θ on [0, π], with sin θ in the weight, × Gauss–
+        Legendre in φ on [0, 2π]. M_sph is the pair (N_theta, N_phi). No polynomial is integrated
+        exactly, not even 1 (so here the weights sum to 4π only in the limit): degree −1.
+    path of a text file
+        Unit vectors in three columns, equal weights; the degree is measured. M_sph is the number
+        of points, or None to take as many as there are.
+
+    Points (M_sph, 3).
+
+    Raises
+    ------
+    ValueError
+        If `M_sph` is not a size of the rule (the nearest are named), the rule is neither known nor
+        a file, or the file does not hold unit vectors within 1e-12.
+    """
+    match rule:
+        case "design":
+            size = _listed_size(M_sph, rule)
+            return _equal_weights(design_points(size), DESIGN_DEGREE[size], f"design M_sph={size}")
+        case "lebedev":
+            return _lebedev(_listed_size(M_sph, rule))
+        case "product":
+            return _product(_listed_size(M_sph, rule))
+        case "gauss-theta-phi":
+            return _gauss_theta_phi(*_pair(M_sph))
+    return _from_file(M_sph, rule)
+
+
+def sphere_sizes(rule: str) -> tuple[int, ...]:
+    """Sizes M_sph that `sphere_rule` allows for a rule, increasing.
+
+    Empty for `gauss-theta-phi`, which takes any pair.
+
+    Raises
+    ------
+    ValueError
+        If `rule` is not known.
+    """
+    match rule:
+        case "design":
+            return tuple(DESIGN_DEGREE)
+        case "lebedev":
+            return tuple(LEBEDEV_DEGREE)
+        case "product":
+            return PRODUCT_SIZES
+        case "gauss-theta-phi":
+            return ()
+    raise unknown_name("sphere_rule", rule, SPHERE_RULES)
+
+
+def _equal_weights(points: NDArray[np.float64], degree: int, name: str) -> Rule:
+    return Rule(points, np.full(len(points), 4 * np.pi / len(points)), degree, name)
+
+
+def _lebedev(M_sph: int) -> Rule:
+    degree = LEBEDEV_DEGREE[M_sph]
+    points, weights = lebedev_rule(degree)
+    return Rule(points.T, weights, degree, f"lebedev M_sph={M_sph}")
+
+
+def _product(M_sph: int) -> Rule:
+    n = round(np.sqrt(M_sph / 2))
+    z, w = np.polynomial.legendre.leggauss(n)
+    phi = np.pi * np.arange(2 * n) / n
+    weights = np.repeat(w * np.pi / n, 2 * n)
+    points = _directions(z, np.sqrt(1 - z**2), phi)
+    return Rule(points, weights, 2 * n - 1, f"product M_sph={M_sph}")
+
+
+def _gauss_theta_phi(N_theta: int, N_phi: int) -> Rule:
+    x, w = np.polynomial.legendre.leggauss(N_theta)
+    y, v = np.polynomial.legendre.leggauss(N_phi)
+    theta, phi = np.pi / 2 * (1 + x), np.pi * (1 + y)
+    weights = np.outer(np.pi / 2 * w * np.sin(theta), np.pi * v).ravel()
+    points = _directions(np.cos(theta), np.sin(theta), phi)
+    return Rule(points, weights, -1, f"gauss-theta-phi {N_theta} x {N_phi}")
+
+
+def _directions(
+    z: NDArray[np.float64], s: NDArray[np.float64], phi: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """(s cos φ, s sin φ, z) for every z = cos θ, s = sin θ and every φ, latitude by latitude."""
+    x, y = np.outer(s, np.cos(phi)), np.outer(s, np.sin(phi))
+    return np.stack([x, y, np.broadcast_to(z[:, None], x.shape)], axis=-1).reshape(-1, 3)
+
+
+def _from_file(M_sph: Size, path: str | os.PathLike[str]) -> Rule:
+    """Equal-weight rule of the unit vectors in a text file."""
+    field = f"sphere_rule={os.fspath(path)!r}"
+    if not Path(path).is_file():
+        raise unknown_name("sphere_rule", os.fspath(path), (*SPHERE_RULES, "path of a text file"))
+    try:
+        with warnings.catch_warnings(action="ignore"):  # an empty file is reported below
+            points = np.loadtxt(path, ndmin=2)
+    except ValueError as error:
+        raise ValueError(f"{field}: not a table of numbers: {error}") from error
+    if points.shape[1] != 3 or len(points) == 0 or not np.all(np.isfinite(points)):
+        raise ValueError(f"{field}: shape {points.shape}; must be finite unit vectors, 3 columns")
+    check_unit_vectors(field, points)
+    if M_sph is not None and not (_is_count(M_sph) and M_sph == len(points)):
+        raise ValueError(f"M_sph={M_sph!r}: {field} has {len(points)} points")
+    return _equal_weights(points, exact_degree(points), Path(path).name)
+
+
+def _listed_size(M_sph: Size, rule: str) -> int:
+    """M_sph as an int if it is one of the rule's sizes, else an error with the nearest ones."""
+    sizes = sphere_sizes(rule)
+    if isinstance(M_sph, (int, np.integer)) and not isinstance(M_sph, bool) and M_sph in sizes:
+        return int(M_sph)
+    shown = ", ".join(map(str, sizes if len(sizes) <= 12 else sizes[:12]))
+    shown += ", ..." if len(sizes) > 12 else ""
+    message = f"M_sph={M_sph!r}: rule {rule!r} has sizes {shown}"
+    if (
+        isinstance(M_sph, (int, float, np.integer))
+        and not isinstance(M_sph, bool)
+        and np.isfinite(M_sph)
+    ):
+        gap = min(abs(size - M_sph) for size in sizes)
+        nearest = [str(size) for size in sizes if abs(size - M_sph) == gap]
+        message += f"; nearest {' or '.join(nearest)}"
+    raise ValueError(message)
+
+
+def _pair(M_sph: Size | Sequence[int]) -> tuple[int, int]:
+    """M_sph as the pair (N_theta, N_phi)."""
+    if isinstance(M_sph, (tuple, list)) and len(M_sph) == 2 and all(map(_is_count, M_sph)):
+        return int(M_sph[0]), int(M_sph[1])
+    raise ValueError(
+        f"M_sph={M_sph!r}: rule 'gauss-theta-phi' takes a pair (N_theta, N_phi) of positive "
+        "integers, as (6, 8)"
+    )
+
+
+def _is_count(value: object) -> bool:
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and int(value) >= 1
