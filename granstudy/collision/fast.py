@@ -50,7 +50,9 @@ class FastOperator:
         ghat = np.zeros((len(pairs.weights), 3))
         ghat[:, [0, 2] if grid.dim == 2 else [0, 1, 2]] = pairs.points
         # g in units L/π, so that phases are k·g.
-        g = np.pi / grid.L * radial.points[:, None, None] * ghat
+        # Which of ±g stands for the pair is free but for aliasing; signs that balance cancel it.
+        signs = balanced_signs(pairs.points) * (-1) ** np.arange(len(radial))[:, None]
+        g = np.pi / grid.L * radial.points[:, None, None] * signs[..., None] * ghat
         self._nodes = g.reshape(-1, 3)
         self._weights = np.tile(pairs.weights / 2, len(radial.points))
         self._shells = np.repeat(np.arange(len(radial.points)), len(pairs.weights))
@@ -166,6 +168,16 @@ class FastOperator:
             radii,
             gain,
         )
+
+
+def balanced_signs(points: np.ndarray) -> np.ndarray:
+    """Signs ±1 that make the sum of the points small, chosen one after the other."""
+    signs = np.ones(len(points))
+    total = np.zeros(points.shape[1])
+    for i, point in enumerate(points):
+        signs[i] = 1.0 if total @ point <= 0.0 else -1.0
+        total += signs[i] * point
+    return signs
 
 
 class _Transforms:
