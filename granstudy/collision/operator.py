@@ -11,6 +11,15 @@ from granstudy.scene import Scene
 from granstudy.solver import Solver
 
 
+OPERATORS = {
+    "literal": ("granstudy.collision.literal", "LiteralOperator"),
+    "direct": ("granstudy.collision.direct", "DirectOperator"),
+    "fast": ("granstudy.collision.fast", "FastOperator"),
+}
+"""Module and class behind each method; imported only where a method is used, so that a run loads, and
+is fingerprinted by, no other method's code."""
+
+
 class CollisionOperator(Protocol):
     """Q(f,f) for one scene and one solver: planned once, called often.
 
@@ -42,13 +51,8 @@ def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:
         rule of the size asked for.
     """
     check_restitution(scene.restitution, largest_speed=solver.R)
-    module, name = {
-        "literal": ("literal", "LiteralOperator"),
-        "direct": ("direct", "DirectOperator"),
-        "fast": ("fast", "FastOperator"),
-    }[solver.method]
-    # Imported here so that a method's code is loaded, and fingerprinted, only where it is used.
-    operator = getattr(import_module(f"granstudy.collision.{module}"), name)
+    module, name = OPERATORS[solver.method]
+    operator = getattr(import_module(module), name)
     return operator(scene, solver)
 
 

@@ -1,0 +1,38 @@
+# Many runs to one labelled table, and tables or runs to figures.
+rule table:
+    input:
+        lambda wildcards: run_files(wildcards.experiment),
+    output:
+        multiext(f"{RESULTS}/tables/{{experiment}}", ".nc", ".csv", ".md"),
+    params:
+        study=STUDY_FILE,
+        request=lambda wildcards: STUDY.model.experiments[wildcards.experiment].model_dump_json(
+            include={"title", "table", "fit", "reference"}
+        ),
+        code=fingerprint(["granstudy.tables"]),
+    log:
+        f"{RESULTS}/logs/tables/{{experiment}}.log",
+    message:
+        "table {wildcards.experiment}"
+    script:
+        "../scripts/table.py"
+
+
+rule figure:
+    input:
+        table=f"{RESULTS}/tables/{{experiment}}.nc",
+        runs=lambda wildcards: run_files(wildcards.experiment),
+    output:
+        multiext(f"{RESULTS}/figures/{{experiment}}", ".png", ".svg"),
+    params:
+        study=STUDY_FILE,
+        request=lambda wildcards: STUDY.model.experiments[wildcards.experiment].model_dump_json(
+            include={"title", "figure"}
+        ),
+        code=fingerprint(["granstudy.figures"]),
+    log:
+        f"{RESULTS}/logs/figures/{{experiment}}.log",
+    message:
+        "figure {wildcards.experiment}"
+    script:
+        "../scripts/figure.py"

@@ -1,0 +1,68 @@
+# The study, loaded and checked once; paths of what it makes.
+import sys
+from pathlib import Path
+
+from snakemake.exceptions import WorkflowError
+
+from granstudy.fingerprint import fingerprint, run_fingerprint
+from granstudy.study import load_study
+
+STUDY_FILE = config.get("study", "workflow/config/paper.yaml")
+
+try:
+    STUDY = load_study(STUDY_FILE)
+except ValueError as error:
+    raise WorkflowError(str(error)) from None
+
+RESULTS = f"results/{STUDY.name}"
+RUNS = f"{RESULTS}/runs"
+
+
+wildcard_constraints:
+    experiment="[^/]+",
+    point=".+",
+
+
+def study_run(wildcards):
+    """The study's run behind a path; an error where the study has none."""
+    try:
+        return STUDY.run(wildcards.experiment, wildcards.point)
+    except ValueError as error:
+        raise WorkflowError(str(error)) from None
+
+
+def run_files(experiment):
+    """Datasets of an experiment's runs."""
+    if STUDY.model.experiments[experiment].run == "benchmark":
+        return [f"{RESULTS}/benchmarks/{experiment}.nc"]
+    return [f"{RUNS}/{experiment}/{path}.nc" for path in STUDY.runs[experiment]]
+
+
+def experiments_with(part):
+    """Names of the experiments that ask for a ``table`` or a ``figure``."""
+    return [
+        name for name, model in STUDY.model.experiments.items() if getattr(model, part) is not None
+    ]
+
+
+def tables():
+    """All tables, in three formats."""
+    return expand(
+        f"{RESULTS}/tables/{{name}}.{{format}}",
+        name=experiments_with("table"),
+        format=["nc", "csv", "md"],
+    )
+
+
+def figures():
+    """All figures, in two formats."""
+    return expand(
+        f"{RESULTS}/figures/{{name}}.{{format}}",
+        name=experiments_with("figure"),
+        format=["png", "svg"],
+    )
+
+
+def notebooks():
+    """The executed analysis notebook, of the paper study."""
+    return f"{RESULTS}/notebooks/cooling_and_convergence.ipynb" if STUDY.name == "paper" else []

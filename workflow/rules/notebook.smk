@@ -1,0 +1,13 @@
+# The analysis a user would do, executed on the study's real datasets.
+rule notebook:
+    input:
+        notebook="workflow/notebooks/{name}.ipynb",
+        runs=run_files("table1") + run_files("figure4") if STUDY.name == "paper" else [],
+    output:
+        f"{RESULTS}/notebooks/{{name}}.ipynb",
+    log:
+        f"{RESULTS}/logs/notebooks/{{name}}.log",
+    message:
+        "notebook {wildcards.name}"
+    script:
+        "../scripts/notebook.py"

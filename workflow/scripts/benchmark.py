@@ -1,0 +1,7 @@
+from granstudy.benchmark import benchmark
+from granstudy.dataset import write_dataset
+from granstudy.study import load_study
+
+study = load_study(snakemake.params.study)
+runs = list(study.runs[snakemake.wildcards.experiment].values())
+write_dataset(benchmark(runs, snakemake.threads), snakemake.output[0])

@@ -1,0 +1,3 @@
+from granstudy.notebook import execute_notebook
+
+execute_notebook(snakemake.input.notebook, snakemake.output[0])

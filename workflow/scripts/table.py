@@ -1,0 +1,9 @@
+from granstudy.study import load_study
+from granstudy.tables import experiment_table, write_table
+
+study = load_study(snakemake.params.study)
+runs = study.runs[snakemake.wildcards.experiment]
+table = experiment_table(
+    study.model.experiments[snakemake.wildcards.experiment], runs, list(snakemake.input)
+)
+write_table(table, *snakemake.output)
