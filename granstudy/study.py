@@ -13,6 +13,7 @@ import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from granstudy.collision.rules import directions
+from granstudy.cost import Cost, estimate
 from granstudy.errors import nearest
 from granstudy.evolve import step_count
 from granstudy.kernel import VHS, Viscoelastic, check_restitution, sphere_area
@@ -240,13 +241,24 @@ class Run:
             raise ValueError("dt: set time.dt or sweep dt")
         return float(dt)
 
+    @property
+    def evaluations(self) -> int:
+        """Evaluations of Q that the run makes: three a step of the Runge–Kutta scheme."""
+        if self.model.time is None:
+            return 1
+        assert self.dt is not None
+        return 3 * step_count(self.model.time.t_final, self.dt)
+
+    @cached_property
+    def cost(self) -> Cost:
+        """Estimated seconds and memory of the run."""
+        return estimate(self.scene, self.solver, self.evaluations)
+
     def check(self) -> None:
         """Raise ValueError for anything that would stop the run later."""
         check_restitution(self.scene.restitution, self.solver.R)
         directions(self.scene, self.solver)
-        if self.model.time is not None:
-            assert self.dt is not None
-            step_count(self.model.time.t_final, self.dt)
+        _ = self.evaluations  # t_final must be a whole number of steps
 
     def parameters(self) -> str:
         """All that the run depends on, as canonical JSON."""

@@ -117,6 +117,18 @@ class FastOperator:
         Q -= f * self._single.backward(self._loss * f_hat)
         return Q.reshape(self.grid.shape)
 
+    def transform(self) -> None:
+        """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
+        list(self._pool.map(self._transform_share, self._bounds))
+
+    def _transform_share(self, bounds: tuple[int, int]) -> None:
+        work = self._workspaces.get()
+        for _ in range(*bounds, self._batch):
+            work.transforms.execute_backward()
+            work.transforms.execute_forward()
+        work.transforms.spectrum[...] = 0.0
+        self._workspaces.put(work)
+
     def _sum_share(self, f: np.ndarray, f_hat: np.ndarray, share: int) -> None:
         """The gain's sum over one share of the nodes."""
         gain = self._gains[share]
@@ -127,7 +139,7 @@ class FastOperator:
             nodes = slice(first, min(first + self._batch, stop))
             kernels.shift(f_hat, -self._nodes[nodes], work.transforms.spectrum)
             work.transforms.execute_backward()
-            np.multiply(work.transforms.density, f, out=work.transforms.density)
+            kernels.multiply(work.transforms.density, f)
             work.transforms.execute_forward()
             self._accumulate(work, nodes, gain)
         self._workspaces.put(work)
@@ -181,15 +193,18 @@ def balanced_signs(points: np.ndarray) -> np.ndarray:
 
 
 class _Transforms:
-    """Real transforms of a batch of densities, planned once on aligned buffers; unnormalised."""
+    """Real transforms of a batch of densities in place, planned once on an aligned buffer.
+
+    In place, a transform of 32³ points stays in a core's cache. Unnormalised.
+    """
 
     def __init__(self, batch: int, shape: tuple[int, int, int]) -> None:
-        spectrum_shape = (*shape[:2], shape[2] // 2 + 1)
-        self.density = pyfftw.zeros_aligned((batch, *shape), dtype="float64")
-        self.spectrum = pyfftw.zeros_aligned((batch, *spectrum_shape), dtype="complex128")
-        axes = (1, 2, 3) if shape[1] > 1 else (1, 3)
+        nx, ny, nz = shape
+        self.spectrum = pyfftw.zeros_aligned((batch, nx, ny, nz // 2 + 1), dtype="complex128")
+        self.density = self.spectrum.view("float64")[..., :nz]
+        axes = (1, 2, 3) if ny > 1 else (1, 3)
         # FFTW_ESTIMATE: the other planners give different bits from process to process, and gain
-        # 5 to 15 per cent.
+        # little.
         plan = {"axes": axes, "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}
         self.execute_forward = pyfftw.FFTW(self.density, self.spectrum, **plan).execute
         self.execute_backward = pyfftw.FFTW(

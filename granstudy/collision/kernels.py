@@ -50,6 +50,17 @@ def shift(f_hat, displacements, out):
 
 
 @_compile
+def multiply(densities, f):
+    """densities[b] *= f for a batch whose rows are padded, as an in-place transform leaves them."""
+    count, nx, ny, nz = densities.shape
+    for b in range(count):
+        for i in range(nx):
+            for j in range(ny):
+                for k in range(nz):
+                    densities[b, i, j, k] *= f[i, j, k]
+
+
+@_compile
 def accumulate_pairs(
     products_hat, displacements, weights, shells, ends, beta, means, place, shell_sum, gain
 ):

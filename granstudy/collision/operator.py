@@ -40,6 +40,9 @@ class CollisionOperator(Protocol):
     def __call__(self, f: np.ndarray) -> np.ndarray:
         """Q(f,f), of the shape and type of ``f``: real for real densities."""
 
+    def transform(self) -> None:
+        """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
+
 
 def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:
     """Plan the collision operator of a scene as the solver's method does it.

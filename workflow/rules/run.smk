@@ -12,7 +12,8 @@ rule run:
     log:
         f"{RESULTS}/logs/{{experiment}}/{{point}}.log",
     threads: lambda wildcards: study_run(wildcards).model.threads
-    priority: lambda wildcards: 1
+    # The longest first, so that the last ones fill both cores.
+    priority: 0
     resources:
         mem_mb=lambda wildcards: study_run(wildcards).cost.memory_mb,
         runtime=lambda wildcards: study_run(wildcards).cost.minutes,

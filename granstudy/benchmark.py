@@ -1,0 +1,149 @@
+"""Seconds and memory of one evaluation of Q, all methods in one process and taken in turn."""
+
+import multiprocessing
+import resource
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from granstudy.collision import collision_operator
+from granstudy.scene import Scene
+from granstudy.solver import Solver
+from granstudy.study import Run
+
+LEAST_ROUNDS = 3
+LEAST_SECONDS = 2.0
+
+
+def benchmark(runs: list[Run], threads: int) -> xr.Dataset:
+    """Time one evaluation on the initial density: every run of a study's experiment, on one thread
+    and on ``threads``.
+
+    The methods of one grid are timed in turn, round after round, so that a drift of the machine's
+    speed hits all alike; medians are reported, and every ratio is taken within one such series.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``run`` with coordinates N, method, threads: `seconds` (median), `speedup` (seconds of
+        `literal` at the same N and threads over seconds), `transforms`, `fft_seconds` (the bare
+        FFTW time of those transforms), `overhead` (seconds / fft_seconds; NaN for `direct`, which
+        makes none), `peak_memory_mb` (of one evaluation in a process of its own, beyond what the
+        interpreter with the package and all its libraries takes).
+    """
+    rows = []
+    for N in sorted({run.solver.N for run in runs}):
+        for count in sorted({1, threads}):
+            group = [
+                (run.scene, replace(run.solver, threads=count))
+                for run in runs
+                if run.solver.N == N
+            ]
+            rows += _time_group(group)
+    dims = ["run"]
+    seconds = np.array([row["seconds"] for row in rows])
+    keys = [(row["N"], row["threads"]) for row in rows]
+    literal = {
+        key: row["seconds"]
+        for key, row in zip(keys, rows, strict=True)
+        if row["method"] == "literal"
+    }
+    fft_seconds = np.array([row["fft_seconds"] for row in rows])
+    overhead = np.divide(seconds, fft_seconds, out=np.full(len(rows), np.nan), where=fft_seconds > 0)
+    units = {"seconds": "s", "fft_seconds": "s", "peak_memory_mb": "MB"}
+    long_names = {
+        "seconds": "median time of one evaluation of Q",
+        "fft_seconds": "bare FFTW time of the transforms made",
+        "transforms": "Fourier transforms on the grid in one evaluation",
+        "peak_memory_mb": "peak memory beyond the interpreter and its libraries",
+        "speedup": "time of literal over this method's, same N and threads",
+        "overhead": "time over bare FFTW time",
+    }
+    values = {
+        "seconds": seconds,
+        "speedup": np.array([literal.get(key, np.nan) for key in keys]) / seconds,
+        "transforms": np.array([row["transforms"] for row in rows]),
+        "fft_seconds": fft_seconds,
+        "overhead": overhead,
+        "peak_memory_mb": np.array([row["peak_memory_mb"] for row in rows]),
+        "status": np.zeros(len(rows), dtype=np.int8),
+    }
+    ds = xr.Dataset(
+        {
+            name: (
+                dims,
+                value,
+                {"long_name": long_names.get(name, name), "units": units.get(name, "1")},
+            )
+            for name, value in values.items()
+        },
+        coords={
+            name: (dims, [row[name] for row in rows]) for name in ("N", "method", "threads")
+        },
+    )
+    ds.attrs = {"title": "granstudy benchmark", "Conventions": "CF-1.11"}
+    return ds
+
+
+def _time_group(group: list[tuple[Scene, Solver]]) -> list[dict[str, object]]:
+    """Time the methods of one grid in turn."""
+    operators = [collision_operator(scene, solver) for scene, solver in group]
+    densities = [scene.density(op.grid) for (scene, _), op in zip(group, operators, strict=True)]
+    calls: list[Callable[[], object]] = []
+    for (_, solver), operator, f in zip(group, operators, densities, strict=True):
+        calls.append(lambda operator=operator, f=f: operator(f))
+        calls.append(operator.transform)
+    times: list[list[float]] = [[] for _ in calls]
+    for call in calls:
+        call()  # compiles, and fills caches
+    start = time.perf_counter()
+    while len(times[0]) < LEAST_ROUNDS or time.perf_counter() - start < LEAST_SECONDS:
+        for call, taken in zip(calls, times, strict=True):
+            begin = time.perf_counter()
+            call()
+            taken.append(time.perf_counter() - begin)
+    medians = [statistics.median(taken) for taken in times]
+    return [
+        {
+            "N": solver.N,
+            "method": solver.method,
+            "threads": solver.threads,
+            "seconds": medians[2 * i],
+            "fft_seconds": 0.0 if solver.method == "direct" else medians[2 * i + 1],
+            "transforms": operators[i].transforms,
+            "peak_memory_mb": peak_memory_mb(scene, solver),
+        }
+        for i, (scene, solver) in enumerate(group)
+    ]
+
+
+def peak_memory_mb(scene: Scene, solver: Solver) -> float:
+    """Peak memory of planning and one evaluation in a process of its own, in MB.
+
+    Beyond what that process held after one evaluation at N = 4: the interpreter, the libraries and the
+    compiled loops.
+    """
+    context = multiprocessing.get_context("spawn")
+    receiver, sender = context.Pipe(duplex=False)
+    process = context.Process(target=_report_peak, args=(scene, solver, sender))
+    process.start()
+    sender.close()
+    try:
+        return float(receiver.recv())
+    finally:
+        process.join()
+
+
+def _report_peak(scene: Scene, solver: Solver, sender: Any) -> None:
+    def evaluate(solver: Solver) -> int:
+        operator = collision_operator(scene, solver)
+        operator(scene.density(operator.grid))
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+    before = evaluate(replace(solver, N=4))
+    sender.send((evaluate(solver) - before) / 1024)

@@ -1,0 +1,54 @@
+"""What a run will cost, before it starts: seconds and memory."""
+
+import math
+from dataclasses import dataclass
+
+from granstudy.collision.rules import directions
+from granstudy.scene import Scene
+from granstudy.solver import Solver
+
+SECONDS_PER_POINT = {"literal": 8.5e-10, "fast": 2.4e-10}
+"""Of one transform of n points with the loops around it, per n·log2 n, on one core of a 2021 server."""
+
+SECONDS_PER_TRANSFORM = {"literal": 1.0e-6, "fast": 1.5e-6}
+"""Of one transform whatever its size, the calls themselves."""
+
+SECONDS_PER_PAIR = 6.0e-9
+"""Of one pair of modes in the direct method."""
+
+INTERPRETER_MB = 300
+"""Python with NumPy, SciPy, Numba and xarray loaded."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Estimate for one run on one thread."""
+
+    seconds: float
+    memory_mb: int
+
+    @property
+    def minutes(self) -> int:
+        """Minutes to ask a cluster for: five times the estimate and time to start."""
+        return 5 + math.ceil(5 * self.seconds / 60)
+
+
+def estimate(scene: Scene, solver: Solver, evaluations: int) -> Cost:
+    """Cost of so many evaluations of Q."""
+    n = solver.N**scene.dim
+    if solver.method == "direct":
+        return Cost(evaluations * n**2 * SECONDS_PER_PAIR, INTERPRETER_MB + _megabytes(40 * n))
+    assert solver.N_rho is not None
+    nodes = solver.N_rho * len(directions(scene, solver))
+    transforms = 2 * nodes if solver.method == "literal" else nodes
+    each = (
+        SECONDS_PER_TRANSFORM[solver.method]
+        + SECONDS_PER_POINT[solver.method] * n * math.log2(n)
+    )
+    memory = 40 * n + (solver.N_rho * n if solver.method == "literal" else 0)
+    return Cost(evaluations * transforms * each, INTERPRETER_MB + _megabytes(memory))
+
+
+def _megabytes(numbers: int) -> int:
+    """Megabytes of so many double-precision numbers."""
+    return math.ceil(numbers * 8 / 2**20)
