@@ -30,35 +30,38 @@ TEMPORARY_PREFIX = ".partial-"
 
 
 class Status(IntEnum):
-    """How a run ended."""
+    """How a run ended; MISSING stands in arrays over parameters where there is no run."""
 
+    MISSING = -1
     OK = 0
     FAILED = 1
     DIVERGED = 2
 
 
 def run_coordinates(scene: Scene, solver: Solver, dt: float | None = None) -> dict[str, Any]:
-    """Every parameter of a run as a scalar coordinate under the paper's symbol."""
-    coordinates: dict[str, Any] = {
-        "N": solver.N,
-        "R": solver.R,
-        "variant": solver.variant,
-        "method": solver.method,
-        "exponent": scene.kernel.exponent,
-        "epsilon": float(scene.diffusion),
-        "N_rho": -1 if solver.N_rho is None else solver.N_rho,
-    }
+    """Every parameter of a run as a scalar coordinate under the paper's symbol, in a path's order."""
+    coordinates: dict[str, Any] = {}
     if callable(scene.restitution):
         coordinates["restitution"] = repr(scene.restitution)
     else:
         coordinates["e"] = float(scene.restitution)
-    if scene.dim == 2:
-        coordinates["M_cir"] = solver.M_cir
-    else:
-        coordinates["sphere_rule"] = solver.sphere_rule
+    coordinates |= {
+        "exponent": scene.kernel.exponent,
+        "epsilon": float(scene.diffusion),
+        "N": solver.N,
+        "R": solver.R,
+        "N_rho": -1 if solver.N_rho is None else solver.N_rho,
+    }
+    if scene.dim == 3:
+        coordinates["M_sph"] = int(np.prod(solver.M_sph))
         if isinstance(solver.M_sph, (tuple, list)):
             coordinates["N_theta"], coordinates["N_phi"] = solver.M_sph
-        coordinates["M_sph"] = int(np.prod(solver.M_sph))
+    else:
+        coordinates["M_cir"] = solver.M_cir
+    coordinates |= {"variant": solver.variant, "method": solver.method}
+    if scene.dim == 3:
+        coordinates["sphere_rule"] = solver.sphere_rule
+    coordinates["radial_rule"] = solver.radial_rule
     if dt is not None:
         coordinates["dt"] = dt
     return coordinates
@@ -211,11 +214,14 @@ def payload_checksum(ds: xr.Dataset) -> str:
     return digest.hexdigest()
 
 
-def write_dataset(ds: xr.Dataset, path: str | Path, duration: float | None = None) -> None:
+def write_dataset(
+    ds: xr.Dataset, path: str | Path, duration: float | None = None, sidecar: bool = True
+) -> None:
     """Write a dataset to NetCDF, whole or not at all, with a checksum of its payload.
 
     The file is written beside the target, synchronised and renamed. What varies from run to run (time,
-    host, ``duration`` in seconds) goes to ``<path>.json``, so that the same run gives the same bytes.
+    host, ``duration`` in seconds) goes to ``<path>.json``, so that the same run gives the same bytes;
+    ``sidecar=False`` leaves that out.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -225,18 +231,20 @@ def write_dataset(ds: xr.Dataset, path: str | Path, duration: float | None = Non
         for name, variable in ds.variables.items()
         if variable.dtype.kind == "f" and variable.ndim > 0
     }
-    sidecar = {
+    if sidecar:
+        _write_sidecar(path.with_name(path.name + ".json"), duration)
+    write_whole(
+        path, lambda partial: ds.to_netcdf(partial, engine="netcdf4", encoding=encoding)
+    )
+
+
+def _write_sidecar(path: Path, duration: float | None) -> None:
+    content = {
         "written": datetime.now(UTC).isoformat(timespec="seconds"),
         "host": platform.node(),
         "duration_seconds": duration,
     }
-    write_whole(
-        path.with_name(path.name + ".json"),
-        lambda partial: partial.write_text(json.dumps(sidecar, indent=1) + "\n"),
-    )
-    write_whole(
-        path, lambda partial: ds.to_netcdf(partial, engine="netcdf4", encoding=encoding)
-    )
+    write_whole(path, lambda partial: partial.write_text(json.dumps(content, indent=1) + "\n"))
 
 
 def write_whole(path: Path, write: Any) -> None:

@@ -62,12 +62,11 @@ def imported_modules(module: str) -> tuple[str, ...]:
 
 @cache
 def _tree(module: str) -> str:
+    """Syntax tree of a module without its docstrings, those below its constants included."""
     tree = ast.parse(_source(module).read_text())
     for node in ast.walk(tree):
-        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)) and ast.get_docstring(
-            node
-        ):
-            node.body[0] = ast.Pass()
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+            node.value = ast.Constant(None)
     return ast.dump(tree)
 
 

@@ -394,3 +394,13 @@ def _known_fields(location: tuple[Any, ...]) -> list[str]:
         if part in parts:
             return list(parts[str(part)].model_fields)
     return list(Experiment.model_fields)
+
+
+def write_schema(path: str | Path) -> None:
+    """Write the JSON schema of study files, for editors that complete and check YAML."""
+    schema = json.dumps(StudyFile.model_json_schema(), indent=1, ensure_ascii=False)
+    Path(path).write_text(schema + "\n")
+
+
+if __name__ == "__main__":
+    write_schema("workflow/config/study.schema.json")

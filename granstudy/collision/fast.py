@@ -56,7 +56,7 @@ class FastOperator:
         self._nodes = g.reshape(-1, 3)
         self._weights = np.tile(pairs.weights / 2, len(radial.points))
         self._shells = np.repeat(np.arange(len(radial.points)), len(pairs.weights))
-        self.transforms = 2 * len(self._weights) + 4
+        self.transforms = 2 * len(self._weights) + 3
 
         k2, place = np.unique(grid.wavenumber_squared(half=True), return_inverse=True)
         self._place = place.reshape(self._spectrum_shape)

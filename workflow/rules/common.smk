@@ -14,7 +14,7 @@ try:
 except ValueError as error:
     raise WorkflowError(str(error)) from None
 
-RESULTS = f"results/{STUDY.name}"
+RESULTS = f"{config.get('results', 'results')}/{STUDY.name}"
 RUNS = f"{RESULTS}/runs"
 
 

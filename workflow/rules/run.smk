@@ -12,8 +12,6 @@ rule run:
     log:
         f"{RESULTS}/logs/{{experiment}}/{{point}}.log",
     threads: lambda wildcards: study_run(wildcards).model.threads
-    # The longest first, so that the last ones fill both cores.
-    priority: 0
     resources:
         mem_mb=lambda wildcards: study_run(wildcards).cost.memory_mb,
         runtime=lambda wildcards: study_run(wildcards).cost.minutes,

@@ -1,0 +1,159 @@
+"""A table of runs as a Markdown table that people read."""
+
+import numpy as np
+import xarray as xr
+
+from granstudy.dataset import Status
+
+HEADINGS = {
+    "N_rho": "N_ρ",
+    "epsilon": "ε",
+    "exponent": "λ",
+    "dt": "Δt",
+    "sphere_rule": "rule",
+    "N_theta": "N_θ",
+    "N_phi": "N_φ",
+    "ratio": "ours / paper",
+    "paper": "paper",
+    "order": "fitted order",
+    "C0": "C₀",
+    "C0_error": "± (fit)",
+    "C0_theory": "C₀ (Gaussian)",
+    "density_drift": "density drift",
+    "fft_seconds": "FFT seconds",
+    "overhead": "seconds / FFT seconds",
+    "speedup": "literal / this",
+    "peak_memory_mb": "peak memory (MB)",
+}
+"""What heads a column; the name itself where none is given."""
+
+QUANTITIES = {
+    "paper_temperature_error": "|T − T_ref| at the final time, measured as the paper does: T = 2E/d, not "
+    "divided by density; T_ref by the exact law from the discrete initial T",
+    "temperature_error": "|T − T_exact| at the final time, T divided by density",
+}
+"""What a quantity is, where its long name is too short for a reader of the table alone."""
+
+
+def markdown_table(table: xr.Dataset) -> str:
+    """Title, GitHub table, and a line saying what the columns are.
+
+    Where runs differ in method alone they share a line; where an order was fitted, runs that differ
+    in the refined parameter alone do.
+    """
+    swept = table.attrs["swept"].split()
+    if "refined" in table.attrs:
+        header, lines = _across(table, swept, table.attrs["refined"])
+    elif _shared_lines(table, swept):
+        header, lines = _across(table, swept, "method")
+    else:
+        header, lines = _long(table, swept)
+    rule = ["---" if i < len(swept) - 1 else "---:" for i in range(len(header))]
+    rows = ["| " + " | ".join(cells) + " |" for cells in (header, rule, *lines)]
+    return "\n".join([f"# {table.attrs['title']}", "", *rows, "", *_legend(table)]) + "\n"
+
+
+def _shared_lines(table: xr.Dataset, swept: list[str]) -> bool:
+    """Whether methods side by side leave at least as many filled places as empty ones."""
+    if "method" not in swept or "C0" in table or "seconds" in table:
+        return False
+    lines = set(_keys(table, [name for name in swept if name != "method"]))
+    methods = np.unique(table["method"]).size
+    return methods > 1 and 2 * table.sizes["run"] >= methods * len(lines) > len(lines)
+
+
+def _keys(table: xr.Dataset, names: list[str]) -> list[tuple[str, ...]]:
+    return [
+        tuple(_parameter(table[name].values[i]) for name in names)
+        for i in range(table.sizes["run"])
+    ]
+
+
+def _parameter(value: object) -> str:
+    text = str(value)
+    return "" if text == "-1" else text
+
+
+def _long(table: xr.Dataset, swept: list[str]) -> tuple[list[str], list[list[str]]]:
+    """One line a run, all columns."""
+    names = [str(name) for name in table.data_vars if name not in ("status", "has_paper")]
+    header = [HEADINGS.get(name, name.replace("_", " ")) for name in (*swept, *names)]
+    lines = [
+        [*key, *(_number(table, name, i) for name in names)]
+        for i, key in enumerate(_keys(table, swept))
+    ]
+    return header, lines
+
+
+def _across(
+    table: xr.Dataset, swept: list[str], across: str
+) -> tuple[list[str], list[list[str]]]:
+    """One line for the runs that differ in ``across`` alone: the quantity side by side."""
+    names = [name for name in swept if name != across]
+    keys = _keys(table, names)
+    # In the order of the sweep, parameter by parameter, whichever block a run comes from.
+    order = [{v: i for i, v in enumerate(dict.fromkeys(values))} for values in zip(*keys, strict=True)]
+    columns = list(dict.fromkeys(_keys(table, [across])))
+    if across == "method":
+        # The yardstick beside the paper that it reproduces, then what we add.
+        columns = sorted(columns, key=lambda c: ("literal", "fast", "direct").index(c[0]))
+    else:
+        columns = sorted(columns, key=lambda c: -float(c[0]))
+    place = {
+        (key, column): i
+        for i, (key, column) in enumerate(zip(keys, _keys(table, [across]), strict=True))
+    }
+    quantity = table.attrs["quantity"]
+    label = "" if across == "method" else f"{HEADINGS.get(across, across)} = "
+    header = [HEADINGS.get(name, name) for name in names] + [label + c[0] for c in columns]
+    with_paper = "paper" in table
+    if with_paper:
+        header += ["paper", *(f"{c[0]} / paper" for c in columns)]
+    if "order" in table:
+        header.append(HEADINGS["order"])
+    lines = []
+    for key in sorted(set(keys), key=lambda key: [o[v] for o, v in zip(order, key, strict=True)]):
+        found = [place.get((key, column)) for column in columns]
+        some = next(i for i in found if i is not None)
+        cells = ["" if i is None else _number(table, quantity, i) for i in found]
+        if with_paper:
+            cells.append(_number(table, "paper", some))
+            cells += ["" if i is None else _number(table, "ratio", i) for i in found]
+        if "order" in table:
+            cells.append(_number(table, "order", some))
+        lines.append([*key, *cells])
+    return header, lines
+
+
+def _number(table: xr.Dataset, name: str, i: int) -> str:
+    """A number as text, to the digits that are worth reading."""
+    value = table[name].values[i]
+    if name == table.attrs["quantity"] and np.isnan(value):
+        return Status(int(table["status"].values[i])).name.lower()
+    if np.isnan(value):
+        return ""
+    measure = table.attrs.get("paper_quantity") if name == "paper" else name
+    if str(measure).endswith(("error", "drift")):
+        return f"{value:.3e}"
+    if name == "ratio":
+        return f"{value:.3f}" if 0.01 <= value < 1000 else f"{value:.1e}"
+    return f"{value:.5g}" if measure in ("temperature", "C0", "C0_theory") else f"{value:.3g}"
+
+
+def _legend(table: xr.Dataset) -> list[str]:
+    """What the quantity is, and what is held fixed."""
+    quantity = table.attrs["quantity"]
+    meaning = QUANTITIES.get(quantity, table[quantity].attrs.get("long_name", quantity))
+    lines = [f"{quantity}: {meaning}."]
+    if "paper" in table:
+        lines[0] += " An empty cell under paper: the paper prints no number there."
+    if (table["status"] != Status.OK).any():
+        lines[0] += " diverged: the run could not reach the final time."
+    fixed = [
+        f"{HEADINGS.get(str(name), name)} = {c.item()}"
+        for name, c in table.coords.items()
+        if c.ndim == 0 and c.item() != -1
+    ]
+    if fixed:
+        lines += ["", "Held fixed: " + ", ".join(fixed) + "."]
+    return lines

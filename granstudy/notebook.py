@@ -1,0 +1,25 @@
+"""Execute an analysis notebook on a study's datasets."""
+
+from pathlib import Path
+
+import nbformat
+from nbclient import NotebookClient
+
+from granstudy.dataset import write_whole
+
+LONGEST_CELL_SECONDS = 600
+
+
+def execute_notebook(source: str | Path, target: str | Path) -> None:
+    """Run ``source`` in the current directory and write it, with its outputs, to ``target``.
+
+    Raises
+    ------
+    nbclient.exceptions.CellExecutionError
+        If a cell fails; nothing is written then.
+    """
+    notebook = nbformat.read(source, as_version=4)
+    NotebookClient(notebook, timeout=LONGEST_CELL_SECONDS, kernel_name="python3").execute()
+    for cell in notebook.cells:
+        cell.metadata.pop("execution", None)  # times of execution differ from run to run
+    write_whole(Path(target), lambda partial: nbformat.write(notebook, partial))

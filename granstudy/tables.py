@@ -1,0 +1,260 @@
+"""One labelled table of an experiment's runs: our numbers, the paper's, their ratio, fits."""
+
+import csv
+import io
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import dask
+import numpy as np
+import xarray as xr
+
+from granstudy import theory
+from granstudy.aggregate import final_values, open_runs
+from granstudy.dataset import CONVENTIONS, Status, read_dataset, write_dataset, write_whole
+from granstudy.errors import unknown_name
+from granstudy.fits import fit_haff, fit_order
+from granstudy.markdown import markdown_table
+from granstudy.printed import match_printed, printed_quantity
+
+if TYPE_CHECKING:  # a table does not depend on the solvers that the study module imports
+    from granstudy.study import Experiment, Run
+
+DEFAULT_QUANTITY = {
+    "evolution": "temperature",
+    "collision": "collision_error",
+    "benchmark": "seconds",
+}
+Rows = list[tuple["Run", str]]
+
+
+def experiment_table(
+    experiment: "Experiment", runs: dict[str, "Run"], files: list[str]
+) -> xr.Dataset:
+    """Table of an experiment, a row (dimension ``run``) for each run.
+
+    Parameters
+    ----------
+    experiment : Experiment
+        What the study file says: which quantity, which of the paper's tables, which fit.
+    runs : dict of Run
+        The experiment's runs by path, references among them.
+    files : list of str
+        Their files in the same order; of a benchmark its one file.
+
+    Returns
+    -------
+    xarray.Dataset
+        Swept parameters are coordinates along ``run`` (listed in the attribute `swept`), all others
+        scalar coordinates. Variables: the quantity; of the paper `paper` and `ratio` (ours / paper), NaN
+        where `has_paper` is false; other measures of the same runs; fits; `status`. A run
+        that ended early has NaN for its numbers, and its status.
+
+    Raises
+    ------
+    ValueError
+        For a quantity, fit or printed table that the runs do not fit.
+    """
+    if experiment.run == "benchmark":
+        table = _benchmark(files)
+    else:
+        paths = [(path, run, file) for (path, run), file in zip(runs.items(), files, strict=True)]
+        for path, _, file in paths:
+            if not file.endswith(f"{path}.nc"):
+                raise ValueError(f"{file}: is not the file of run {path}")
+        rows = [(run, file) for _, run, file in paths if not run.is_reference]
+        if experiment.run == "evolution":
+            table = _evolution(rows)
+        else:
+            table = _collision(rows, {path: file for path, _, file in paths})
+    asked = experiment.table
+    quantity = asked.quantity if asked else DEFAULT_QUANTITY[experiment.run]
+    numbers = [str(name) for name, v in table.data_vars.items() if v.dtype.kind == "f"]
+    if quantity not in numbers:
+        raise unknown_name("quantity", quantity, numbers)
+    table.attrs["quantity"] = quantity
+    if experiment.fit is not None and experiment.fit.law == "order":
+        table = _with_order(table, quantity, experiment.fit.x)
+    elif experiment.fit is not None:
+        table = _with_haff(table, rows)
+    if asked and asked.paper:
+        table = _with_paper(table, asked.paper, printed_quantity(asked.paper, quantity))
+    return _finish(table, experiment)
+
+
+def write_table(table: xr.Dataset, nc: str | Path, csv: str | Path, md: str | Path) -> None:
+    """Write a table as NetCDF, CSV and Markdown, each whole or not at all, same table same bytes."""
+    write_dataset(table, nc, sidecar=False)
+    write_whole(Path(csv), lambda partial: partial.write_text(csv_table(table)))
+    write_whole(Path(md), lambda partial: partial.write_text(markdown_table(table)))
+
+
+def csv_table(table: xr.Dataset) -> str:
+    """The table as CSV: swept parameters, then numbers to 10 digits, then status as a word."""
+    swept = table.attrs["swept"].split()
+    names = [str(name) for name in table.data_vars if name != "has_paper"]
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow([*swept, *names])
+    for i in range(table.sizes["run"]):
+        row = table.isel(run=i)
+        writer.writerow(
+            [str(row[name].item()) for name in swept] + [_cell(name, row[name]) for name in names]
+        )
+    return stream.getvalue()
+
+
+def _cell(name: str, value: xr.DataArray) -> str:
+    if name == "status":
+        return Status(value.item()).name.lower()
+    if value.dtype.kind == "f":
+        return "" if np.isnan(value) else f"{value.item():.10g}"
+    return str(value.item())
+
+
+def _evolution(rows: Rows) -> xr.Dataset:
+    """Moments and errors at the final time."""
+    with final_values([file for _, file in rows]) as final:
+        names = [name for name, v in final.data_vars.items() if v.dims == ("run",)]
+        table = final[names].drop_vars(["reason", "warnings"]).load()
+    ended = table["status"] == Status.OK
+    table = table.map(lambda v: v.where(ended) if v.dtype.kind == "f" else v, keep_attrs=True)
+    return _with_swept(table, rows)
+
+
+def _collision(rows: Rows, files: dict[str, str]) -> xr.Dataset:
+    """Largest difference of Q from each run's reference, on all grid points."""
+    with ExitStack() as stack:
+        Q: dict[str, xr.DataArray] = {}
+        for file in files.values():
+            ds = xr.open_dataset(file, engine="netcdf4", chunks={})
+            Q[file] = stack.enter_context(ds)["Q"]
+        references = [Q[files[run.reference.path]] for run, _ in rows]
+        errors = [
+            abs(Q[file] - reference).max()
+            for (_, file), reference in zip(rows, references, strict=True)
+        ]
+        largest = [abs(reference).max() for reference in references]
+        errors, largest = dask.compute(errors, largest)
+    with open_status([file for _, file in rows]) as table:
+        table = table.load()
+    error = np.array([value.item() for value in errors])
+    scale = np.array([value.item() for value in largest])
+    for name, values, long_name in (
+        ("collision_error", error, "max|Q − Q_reference| on the grid"),
+        ("relative_error", error / scale, "max|Q − Q_reference| / max|Q_reference|"),
+    ):
+        table[name] = ("run", values, {"long_name": long_name, "units": "1"})
+    return _with_swept(table, rows)
+
+
+def open_status(files: list[str]) -> xr.Dataset:
+    """Parameters and status of runs, whatever their grids."""
+    return final_values(files)[["status"]]
+
+
+def _benchmark(files: list[str]) -> xr.Dataset:
+    (file,) = files
+    table = read_dataset(file)
+    table.attrs["swept"] = " ".join(
+        str(name) for name, c in table.coords.items() if c.dims == ("run",)
+    )
+    return table
+
+
+def _with_swept(table: xr.Dataset, rows: Rows) -> xr.Dataset:
+    """Keep swept parameters along ``run``; one value of each other one."""
+    swept = [key for key, _ in rows[0][0].values]
+    if "M_sph" in swept and "N_theta" in table.coords and (table["N_theta"] > 0).any():
+        swept[swept.index("M_sph") + 1 : swept.index("M_sph") + 1] = ["N_theta", "N_phi"]
+    along = [str(name) for name, c in table.coords.items() if c.dims == ("run",)]
+    others = {name: table[name].values for name in along if name not in swept}
+    table = table.drop_vars(list(others)).assign_coords(
+        {name: values[0] for name, values in others.items() if np.unique(values).size == 1}
+    )
+    table.attrs["swept"] = " ".join(swept)
+    return table
+
+
+def _with_order(table: xr.Dataset, quantity: str, x: str | None) -> xr.Dataset:
+    """Add `order`, the fitted slope of each group of runs that differ in ``x`` alone."""
+    swept = table.attrs["swept"].split()
+    if x not in swept:
+        raise ValueError(f"fit.x={x!r}: an order is fitted against a swept parameter: {swept}")
+    groups: dict[tuple[Any, ...], list[int]] = {}
+    for i in range(table.sizes["run"]):
+        key = tuple(table[name].values[i] for name in swept if name != x)
+        groups.setdefault(key, []).append(i)
+    order = np.full(table.sizes["run"], np.nan)
+    for members in groups.values():
+        error = table[quantity].values[members]
+        order[members], _ = fit_order(table[x].values[members], error)
+    long_name = f"p of {quantity} ~ {x}^p, fitted to the runs that differ in {x} alone"
+    table["order"] = ("run", order, {"long_name": long_name, "units": "1"})
+    table.attrs["refined"] = x
+    return table
+
+
+def _with_haff(table: xr.Dataset, rows: Rows) -> xr.Dataset:
+    """Add C0 fitted to each run, its standard error, and C0 of theory for a Gaussian shape."""
+    fitted = []
+    for run, file in rows:
+        with open_runs([file]) as ds:
+            time, T = ds["time"].values, ds["temperature"].values[0]
+        e, kernel = run.scene.restitution, run.scene.kernel
+        C0 = (
+            np.nan
+            if callable(e)
+            else theory.haff_constant(kernel, float(e), run.scene.dim, T0=float(T[0]))
+        )
+        fitted.append((*fit_haff(time, T), C0))
+    long_names = {
+        "C0": "Haff constant, least squares of T0 (1 + C0 t)^-2",
+        "C0_error": "standard error of the fitted C0",
+        "C0_theory": "Haff constant of a Gaussian shape at the initial temperature",
+    }
+    for (name, long_name), values in zip(long_names.items(), zip(*fitted, strict=True), strict=True):
+        table[name] = ("run", np.array(values), {"long_name": long_name, "units": "1"})
+    return table
+
+
+def _with_paper(table: xr.Dataset, paper: str, quantity: str) -> xr.Dataset:
+    """Add the printed number of each run and ours over it."""
+    if quantity not in table:
+        raise ValueError(f"paper={paper!r}: prints {quantity}, which the table does not have")
+    printed = match_printed(paper, table)
+    has_paper = np.isfinite(printed)
+    if not has_paper.any():
+        raise ValueError(f"paper={paper!r}: prints no number for any of the runs")
+    units = table[quantity].attrs.get("units", "1")
+    where = "NaN where has_paper is false"
+    for name, values, attributes in (
+        ("paper", printed, {"long_name": f"{quantity} printed in the paper; {where}"}),
+        ("ratio", table[quantity].values / printed, {"long_name": f"ours / paper; {where}"}),
+    ):
+        table[name] = ("run", values, attributes | {"units": units if name == "paper" else "1"})
+    table["has_paper"] = ("run", has_paper, {"long_name": "the paper prints a number for the run"})
+    table.attrs["paper_quantity"] = quantity
+    return table
+
+
+def _finish(table: xr.Dataset, experiment: "Experiment") -> xr.Dataset:
+    """Put the columns into reading order, and say what the table is."""
+    quantity = table.attrs["quantity"]
+    first = [quantity, "C0", "C0_error", "C0_theory", "paper", "ratio", "has_paper", "order"]
+    beside = {
+        "evolution": ["temperature_error", "temperature", "density_drift"],
+        "collision": ["relative_error"],
+        "benchmark": [str(name) for name in table.data_vars],
+    }[experiment.run]
+    names = [name for name in (*first, *beside, "status") if name in table]
+    kept = ("swept", "quantity", "refined", "paper_quantity")
+    attributes = {key: table.attrs[key] for key in kept if key in table.attrs}
+    table = table[list(dict.fromkeys(n for n in names if n != "status")) + ["status"]]
+    table.attrs = {
+        "title": experiment.title,
+        "Conventions": CONVENTIONS,
+        **attributes,
+    }
+    return table

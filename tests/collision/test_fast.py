@@ -1,0 +1,190 @@
+"""The fast operator against the direct one, and what holds exactly."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from comparison import (
+    BOXES,
+    assert_near,
+    assert_spectral,
+    asymmetric_scene,
+    evaluate,
+    relative_error,
+)
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+
+import granstudy as gs
+from granstudy.collision import fast
+
+CONVERGED = {2: {"M_cir": 64, "N_rho": 24}, 3: {"M_sph": 302, "N_rho": 20}}
+"""Nodes with which the quadrature error on `BOXES` is far under the aliasing."""
+
+DEGREES = {6: 3, 26: 7, 50: 11, 86: 15, 110: 17, 146: 19, 194: 23, 302: 29}
+"""Lebedev rules with their degree, in which their error is spectral."""
+
+
+ONCE = (Phase.explicit, Phase.reuse, Phase.generate)
+"""No shrinking: an example costs a second, and its parameters say all."""
+
+
+def fast_Q(scene, **solver):
+    nodes = CONVERGED[scene.dim] | {"sphere_rule": "lebedev"} | solver
+    return evaluate(scene, **BOXES[scene.dim] | nodes)
+
+
+def direct_Q(scene, **solver):
+    return evaluate(scene, method="direct", **BOXES[scene.dim] | {"N_rho": None} | solver)
+
+
+def radial(exponent):
+    """The rule that is spectral for the exponent."""
+    return "legendre" if float(exponent).is_integer() else "jacobi"
+
+
+def aliasing_floor(scene, reference):
+    """Bound of the relative error that products on the grid leave at converged rules.
+
+    What wraps around the spectrum in the direct sum, where aliases of ±g cancel partly, and the
+    spectrum's size at its edge, on which the choice between g and −g depends; each times 8.
+    """
+    wrapped = relative_error(direct_Q(scene, circular=True), reference)
+    f_hat = np.abs(np.fft.fftn(scene.density(gs.VelocityGrid(scene.dim, **BOXES[scene.dim]))))
+    return 8 * (wrapped + f_hat[f_hat.shape[0] // 2].max() / f_hat.max())
+
+
+@pytest.fixture(scope="module", params=[(2, 0.0), (2, 0.5), (3, 1.0)], ids=str)
+def resolved(request):
+    """A scene without symmetry, its exact Q and the aliasing floor on its grid."""
+    dim, exponent = request.param
+    scene = asymmetric_scene(dim, seed=1, exponent=exponent, restitution=0.37)
+    reference = direct_Q(scene)
+    return scene, reference, aliasing_floor(scene, reference)
+
+
+@pytest.mark.parametrize("variant", ["separate", "full"])
+def test_error_falls_spectrally_with_the_directions(resolved, variant):
+    scene, reference, floor = resolved
+    rule = {"variant": variant, "radial_rule": radial(scene.kernel.exponent)}
+    if scene.dim == 2:
+        degrees = [4, 6, 8, 10, 12, 16, 20, 24, 32, 48]
+        results = [fast_Q(scene, M_cir=M, **rule) for M in degrees]
+    else:
+        degrees = list(DEGREES.values())
+        results = [fast_Q(scene, M_sph=M, **rule) for M in DEGREES]
+    errors = [relative_error(Q, reference) for Q in results]
+    assert_spectral(degrees, errors, rate=0.3, floor=floor)
+
+
+@pytest.mark.parametrize("variant", ["separate", "full"])
+def test_error_falls_spectrally_with_the_shells(resolved, variant):
+    scene, reference, floor = resolved
+    shells = [3, 4, 5, 6, 8, 10, 12, 16, 20]
+    rule = {"variant": variant, "radial_rule": radial(scene.kernel.exponent)}
+    errors = [relative_error(fast_Q(scene, N_rho=n, **rule), reference) for n in shells]
+    assert_spectral(shells, errors, rate=0.4, floor=floor)
+
+
+@settings(max_examples=8, deadline=None, phases=ONCE)
+@given(
+    seed=st.integers(0, 10**6),
+    restitution=st.floats(0.0, 1.0),
+    exponent=st.sampled_from([0.0, 1.0]) | st.floats(0.05, 0.95),
+    variant=st.sampled_from(["full", "separate"]),
+)
+def test_any_scene_in_2d_agrees_with_direct(seed, restitution, exponent, variant):
+    scene = asymmetric_scene(2, seed, exponent, restitution)
+    reference = direct_Q(scene)
+    Q = fast_Q(scene, variant=variant, radial_rule=radial(exponent))
+    assert_near(Q, reference, aliasing_floor(scene, reference) + 1e-12)
+
+
+@settings(max_examples=3, deadline=None, phases=ONCE)
+@given(
+    seed=st.integers(0, 10**6),
+    restitution=st.floats(0.0, 1.0),
+    exponent=st.floats(0.05, 0.95),
+)
+def test_any_scene_in_3d_agrees_with_direct(seed, restitution, exponent):
+    scene = asymmetric_scene(3, seed, exponent, restitution)
+    reference = direct_Q(scene)
+    Q = fast_Q(scene, radial_rule="jacobi")
+    assert_near(Q, reference, aliasing_floor(scene, reference) + 1e-12)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_variants_agree_where_the_rule_has_converged(dim):
+    # what is left of the gain's aliasing they share
+    scene = asymmetric_scene(dim, seed=1, exponent=1.0)
+    full, separate = (fast_Q(scene, variant=v) for v in ("full", "separate"))
+    assert_near(full, separate, 1e-9 if dim == 2 else 1e-7)
+    coarse = {"M_cir": 8, "M_sph": 26}
+    full, separate = (fast_Q(scene, variant=v, **coarse) for v in ("full", "separate"))
+    assert relative_error(full, separate) > 1e-4
+
+
+@pytest.mark.parametrize("restitution", [0.3, gs.Viscoelastic(0.1)], ids=str)
+@pytest.mark.parametrize("dim", [2, 3])
+def test_results_do_not_depend_on_threads(dim, restitution):
+    scene = asymmetric_scene(dim, seed=5, exponent=1.0, restitution=restitution)
+    few = {"N": 8, "N_rho": 6, "M_cir": 10, "M_sph": 26}
+    first, *others = (fast_Q(scene, **few, threads=threads) for threads in (1, 2, 3))
+    for Q in others:
+        assert np.array_equal(Q, first)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_an_operator_is_called_often(dim):
+    operator = gs.collision_operator(asymmetric_scene(dim), gs.Solver(N=8, R=5.0, N_rho=6))
+    f = asymmetric_scene(dim, seed=2).density(operator.grid)
+    kept = f.copy()
+    first = operator(f)
+    operator(2 * f)
+    assert np.array_equal(operator(f), first)
+    assert np.array_equal(f, kept)
+    assert first.dtype == operator.dtype == np.float64
+    assert np.array_equal(operator(np.asfortranarray(f)), first)
+
+
+def test_a_rule_without_antipodes_is_symmetrised():
+    # 15 angles with their antipodes are the 30 of the even rule
+    scene = asymmetric_scene(2)
+    assert_near(fast_Q(scene, M_cir=15), fast_Q(scene, M_cir=30), 1e-7)
+    assert relative_error(fast_Q(scene, M_cir=7), fast_Q(scene, M_cir=30)) > 1e-5
+
+
+class CountingFFTW:
+    """A plan that counts the single transforms it makes."""
+
+    made = 0
+
+    def __init__(self, first, second, **options):
+        self._plan = fast_FFTW(first, second, **options)
+        self._batch = len(first)
+
+    def execute(self):
+        type(self).made += self._batch
+        self._plan.execute()
+
+
+fast_FFTW = fast.pyfftw.FFTW
+
+
+@pytest.mark.parametrize(("dim", "pairs"), [(2, 15), (3, 16)])
+def test_transforms_of_one_evaluation(monkeypatch, dim, pairs):
+    counting = SimpleNamespace(FFTW=CountingFFTW, zeros_aligned=fast.pyfftw.zeros_aligned)
+    monkeypatch.setattr(fast, "pyfftw", counting)
+    # 8 shells: the eight shares take as many nodes each, and no batch is padded
+    solver = gs.Solver(N=8, R=5.0, N_rho=8, M_cir=30, M_sph=32)
+    operator = gs.collision_operator(asymmetric_scene(dim), solver)
+    monkeypatch.setattr(CountingFFTW, "made", 0)
+    operator(asymmetric_scene(dim).density(operator.grid))
+    # a forward and a backward transform a pair; f̂, the gain's sum and the loss
+    assert CountingFFTW.made == 2 * 8 * pairs + 3
+    assert operator.transforms == CountingFFTW.made
+    # half of what every node apart would take
+    literal = gs.Solver(N=8, R=5.0, N_rho=8, M_cir=30, M_sph=32, method="literal")
+    assert 2 * (operator.transforms - 3) == (
+        gs.collision_operator(asymmetric_scene(dim), literal).transforms - 3
+    )

@@ -1,0 +1,21 @@
+import os
+
+import granstudy as gs
+
+
+def test_the_paper_is_the_default():
+    solver = gs.Solver(N=32, R=7.0)
+    assert (solver.N_rho, solver.M_sph, solver.M_cir) == (30, 32, 30)
+    assert (solver.variant, solver.method) == ("separate", "fast")
+    assert (solver.sphere_rule, solver.radial_rule) == ("design", "legendre")
+
+
+def test_grid():
+    assert gs.Solver(N=8, R=5.0).grid(3) == gs.VelocityGrid(3, 8, 5.0)
+
+
+def test_threads_change_no_description():
+    assert gs.Solver(8, 5.0, threads=1).describe() == gs.Solver(8, 5.0, threads=3).describe()
+    assert "threads" not in gs.Solver(8, 5.0).describe()
+    assert gs.Solver(8, 5.0, threads=3).thread_count == 3
+    assert gs.Solver(8, 5.0).thread_count == len(os.sched_getaffinity(0))
