@@ -1,5 +1,6 @@
 """granstudy: parameter studies of granular gases with the fast Fourier spectral method."""
 
+from granstudy.aggregate import final_values, open_runs, unstack_runs
 from granstudy.collision import CollisionOperator, collision_operator
 from granstudy.dataset import read_dataset, write_dataset
 from granstudy.evolve import simulate
@@ -17,11 +18,14 @@ __all__ = [
     "VelocityGrid",
     "Viscoelastic",
     "collision_operator",
+    "final_values",
     "hard_spheres",
     "load_scene",
     "maxwell",
     "moments",
+    "open_runs",
     "read_dataset",
     "simulate",
+    "unstack_runs",
     "write_dataset",
 ]

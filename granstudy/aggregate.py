@@ -29,10 +29,10 @@ def open_runs(where: Where) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Variables with a leading dimension ``run``, as Dask arrays; every parameter (e, N, variant, dt, ...)
-        is a coordinate along ``run``. `status` says how a run ended, `reason` and `warnings` why. Times
-        after the end of a run that ended early hold NaN. N_theta and N_phi are −1 for
-        sphere rules that have none.
+        Variables with a leading dimension ``run``, as Dask arrays; every parameter (e, N, variant,
+        dt, ...) is a coordinate along ``run``. `status` says how a run ended, `reason` and
+        `warnings` why. Times after the end of a run that ended early hold NaN. N_theta and N_phi
+        are −1 for sphere rules that have none.
 
     Raises
     ------
@@ -61,8 +61,8 @@ def open_runs(where: Where) -> xr.Dataset:
 def final_values(where: Where) -> xr.Dataset:
     """Open every run's moments and errors at its last time, as one dataset over ``run``.
 
-    As `open_runs`, without densities; `time` is a coordinate along ``run``. `density_drift` is the relative
-    change of the density from first to last time.
+    As `open_runs`, without densities; `time` is a coordinate along ``run``. `density_drift` is the
+    relative change of the density from first to last time.
     """
     return _open(where, lambda ds: _labelled(_at_last_time(ds)))
 
@@ -113,14 +113,13 @@ def unstack_runs(runs: xr.Dataset, over: Sequence[str] | None = None) -> xr.Data
 
 
 def run_files(where: Where) -> list[str]:
-    """Files of the runs in a folder, of a glob pattern, or as given."""
+    """List the files of the runs in a folder, of a glob pattern, or as given."""
     if not isinstance(where, (str, Path)):
         files = [str(path) for path in where]
     elif Path(where).is_dir():
-        found = [path for path in Path(where).rglob("*.nc")]
         files = sorted(
             str(path)
-            for path in found
+            for path in Path(where).rglob("*.nc")
             if "reference" not in path.relative_to(where).parts
             and not path.name.startswith(TEMPORARY_PREFIX)
         )
@@ -171,7 +170,7 @@ def _at_last_time(ds: xr.Dataset) -> xr.Dataset:
 
 
 def _hole(name: Hashable, dtype: np.dtype) -> Any:
-    """What stands where there is no run."""
+    """Return what stands where there is no run."""
     if name == "status":
         return np.int8(Status.MISSING)
     if dtype.kind in "iu":

@@ -6,6 +6,7 @@ import statistics
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -40,9 +41,7 @@ def benchmark(runs: list[Run], threads: int) -> xr.Dataset:
     for N in sorted({run.solver.N for run in runs}):
         for count in sorted({1, threads}):
             group = [
-                (run.scene, replace(run.solver, threads=count))
-                for run in runs
-                if run.solver.N == N
+                (run.scene, replace(run.solver, threads=count)) for run in runs if run.solver.N == N
             ]
             rows += _time_group(group)
     dims = ["run"]
@@ -54,7 +53,9 @@ def benchmark(runs: list[Run], threads: int) -> xr.Dataset:
         if row["method"] == "literal"
     }
     fft_seconds = np.array([row["fft_seconds"] for row in rows])
-    overhead = np.divide(seconds, fft_seconds, out=np.full(len(rows), np.nan), where=fft_seconds > 0)
+    overhead = np.divide(
+        seconds, fft_seconds, out=np.full(len(rows), np.nan), where=fft_seconds > 0
+    )
     units = {"seconds": "s", "fft_seconds": "s", "peak_memory_mb": "MB"}
     long_names = {
         "seconds": "median time of one evaluation of Q",
@@ -82,9 +83,7 @@ def benchmark(runs: list[Run], threads: int) -> xr.Dataset:
             )
             for name, value in values.items()
         },
-        coords={
-            name: (dims, [row[name] for row in rows]) for name in ("N", "method", "threads")
-        },
+        coords={name: (dims, [row[name] for row in rows]) for name in ("N", "method", "threads")},
     )
     ds.attrs = {"title": "granstudy benchmark", "Conventions": "CF-1.11"}
     return ds
@@ -96,7 +95,7 @@ def _time_group(group: list[tuple[Scene, Solver]]) -> list[dict[str, object]]:
     densities = [scene.density(op.grid) for (scene, _), op in zip(group, operators, strict=True)]
     calls: list[Callable[[], object]] = []
     for (_, solver), operator, f in zip(group, operators, densities, strict=True):
-        calls.append(lambda operator=operator, f=f: operator(f))
+        calls.append(partial(operator, f))
         calls.append(operator.transform)
     times: list[list[float]] = [[] for _ in calls]
     for call in calls:

@@ -41,9 +41,8 @@ def estimate(scene: Scene, solver: Solver, evaluations: int) -> Cost:
     assert solver.N_rho is not None
     nodes = solver.N_rho * len(directions(scene, solver))
     transforms = 2 * nodes if solver.method == "literal" else nodes
-    each = (
-        SECONDS_PER_TRANSFORM[solver.method]
-        + SECONDS_PER_POINT[solver.method] * n * math.log2(n)
+    each = SECONDS_PER_TRANSFORM[solver.method] + SECONDS_PER_POINT[solver.method] * n * math.log2(
+        n
     )
     memory = 40 * n + (solver.N_rho * n if solver.method == "literal" else 0)
     return Cost(evaluations * transforms * each, INTERPRETER_MB + _megabytes(memory))

@@ -105,7 +105,7 @@ def evolution_dataset(
         },
     )
     if scene.kernel.exponent == 0.0 and not callable(scene.restitution):
-        law = {
+        law: dict[str, Any] = {
             "t": time,
             "restitution": float(scene.restitution),
             "diffusion": scene.diffusion,
@@ -233,9 +233,7 @@ def write_dataset(
     }
     if sidecar:
         _write_sidecar(path.with_name(path.name + ".json"), duration)
-    write_whole(
-        path, lambda partial: ds.to_netcdf(partial, engine="netcdf4", encoding=encoding)
-    )
+    write_whole(path, lambda partial: ds.to_netcdf(partial, engine="netcdf4", encoding=encoding))
 
 
 def _write_sidecar(path: Path, duration: float | None) -> None:

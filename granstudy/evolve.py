@@ -58,7 +58,7 @@ def simulate(
     operator = collision_operator(scene, solver)
     grid = operator.grid
     rhs = right_hand_side(operator, scene.diffusion)
-    f = scene.density(grid).astype(operator.dtype)
+    f: np.ndarray = scene.density(grid).astype(operator.dtype)
 
     history: list[dict[str, Any]] = []
     snapshots: dict[float, np.ndarray] = {}

@@ -26,6 +26,9 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 METHOD_COLOURS = {"literal": "#8CC9F0", "fast": "#D55E00", "direct": "#0072B2"}
 """A method has the same colour in every figure."""
 
+METHODS_FIRST = {"direct": 0, "literal": 1, "fast": 2}
+"""From the slowest to the fastest, as a legend lists them."""
+
 MARKERS = ("o", "s", "^", "D")
 PAPER = "Hu & Ma (2019)"
 PAPER_LOOK: dict[str, Any] = {
@@ -64,7 +67,7 @@ LABELS = {
 }
 """How the legend calls what a path names shortly."""
 
-STYLE = {
+STYLE: Any = {
     "font.size": 9.0,
     "axes.titlesize": 9.0,
     "axes.grid": True,
@@ -121,27 +124,32 @@ def save_figure(figure: Figure, png: str | Path, svg: str | Path) -> None:
 
 
 def _convergence(table: xr.Dataset, x: str | None) -> Figure:
-    """The quantity against the refined parameter; e across, variants down where methods differ too."""
+    """Draw the quantity against the refined parameter, a column of panels for each e.
+
+    Where methods and variants both differ, there is a row of panels for each variant.
+    """
     swept = table.attrs["swept"].split()
-    if x not in swept:
+    if x is None or x not in swept:
         raise ValueError(f"figure.x={x!r}: must be one of the swept parameters {swept}")
     names = _distinguishing(table, [name for name in swept if name not in (x, "e")])
     down = "variant" if {"variant", "method"} <= set(names) else None
     names = [name for name in names if name != down]
     columns, rows = _panels(table, "e"), _panels(table, down)
-    size = (WIDTH, PANEL_HEIGHT * (1.0 if len(rows) == 1 else 0.85) * len(rows) + 0.9)
+    width = WIDTH if len(columns) > 1 else 0.75 * WIDTH
+    size = (width, PANEL_HEIGHT * (1.0 if len(rows) == 1 else 0.85) * len(rows) + 0.9)
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(len(rows), len(columns), sharex=True, sharey=True, squeeze=False)
     looks = _looks([key for key, _ in _lines(table, names)])
     for ax, (row, column) in zip(axes.flat, itertools.product(rows, columns), strict=True):
         part = table.isel(run=sorted(set(row[1]) & set(column[1])))
-        for key, line in _lines(part, names):
-            line = line.sortby(x)
+        for key, unsorted in _lines(part, names):
+            line = unsorted.sortby(x)
             ax.plot(line[x], line[table.attrs["quantity"]], **looks[key])
         _draw_paper(ax, part, x)
         if x == "dt":
             _order_guide(ax, part, x)
-        ax.set_title(", ".join(filter(None, (column[0], row[0]))))
+        if column[0] or row[0]:
+            ax.set_title(", ".join(filter(None, (column[0], row[0]))))
         ax.set_yscale("log")
         _mark_values(ax, x, np.unique(table[x]))
     _label_outer(axes, x, table.attrs["quantity"])
@@ -151,7 +159,7 @@ def _convergence(table: xr.Dataset, x: str | None) -> Figure:
     ]
     if _paper_is_drawn(table):
         handles.append(Line2D([], [], label=PAPER, **PAPER_LOOK))
-    figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 5))
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 3))
     return figure
 
 
@@ -167,13 +175,16 @@ def _panels(table: xr.Dataset, name: str | None) -> list[tuple[str, list[int]]]:
     if name is None or name not in table.attrs["swept"].split():
         return [("", list(range(table.sizes["run"])))]
     return [
-        (f"{SYMBOLS.get(name, name)} = {value}", np.flatnonzero(table[name] == value).tolist())
+        (
+            f"{SYMBOLS[name]} = {value}" if name == "e" else str(value),
+            np.flatnonzero(table[name] == value).tolist(),
+        )
         for value in np.unique(table[name])
     ]
 
 
 def _distinguishing(table: xr.Dataset, names: list[str]) -> list[str]:
-    """The parameters that are needed to tell the lines apart."""
+    """Find the parameters that are needed to tell the lines apart."""
     kept = [name for name in names if name not in ("N_theta", "N_phi")]
     for name in sorted(kept, key=lambda name: name != "method"):
         fewer = [other for other in kept if other != name]
@@ -183,10 +194,8 @@ def _distinguishing(table: xr.Dataset, names: list[str]) -> list[str]:
 
 
 def _lines(table: xr.Dataset, names: list[str]) -> Iterator[tuple[tuple[str, ...], xr.Dataset]]:
-    """Runs with equal values of ``names``, by these values."""
-    keys = [
-        tuple(str(table[name].values[i]) for name in names) for i in range(table.sizes["run"])
-    ]
+    """Group runs with equal values of ``names``, by these values."""
+    keys = [tuple(str(table[name].values[i]) for name in names) for i in range(table.sizes["run"])]
     for key in dict.fromkeys(keys):
         yield key, table.isel(run=[i for i, other in enumerate(keys) if other == key])
 
@@ -217,13 +226,13 @@ def _paper_is_drawn(table: xr.Dataset) -> bool:
 
 
 def _draw_paper(ax: Axes, part: xr.Dataset, x: str) -> None:
-    """The printed numbers, open and black around ours."""
+    """Draw the printed numbers, open and black around ours."""
     if _paper_is_drawn(part):
         ax.plot(part[x], part["paper"], **PAPER_LOOK)
 
 
 def _order_guide(ax: Axes, part: xr.Dataset, x: str, order: int = 3) -> None:
-    """A grey line of slope 3, the order of the Runge–Kutta scheme, below the data."""
+    """Draw a grey line of slope 3, the order of the Runge–Kutta scheme, below the data."""
     ends = np.array([part[x].min().item(), part[x].max().item()])
     scale = np.nanmin(part[part.attrs["quantity"]] / part[x] ** order).item() / 2.5
     ax.plot(ends, scale * ends**order, color="0.45", linewidth=1.0, zorder=1)
@@ -245,7 +254,7 @@ def _mark_values(ax: Axes, x: str, values: np.ndarray) -> None:
 
 
 def _cooling(table: xr.Dataset, run_files: list[str]) -> Figure:
-    """T(t) with the fitted Haff laws; beside it √(T0/T) − 1, which Haff's law makes C0 t."""
+    """Draw T(t) with the fitted Haff laws; beside it √(T0/T) − 1, which Haff's law makes C0 t."""
     figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 0.4), layout="constrained")
     left, right = figure.subplots(1, 2)
     names = _distinguishing(table, table.attrs["swept"].split())
@@ -277,8 +286,8 @@ def _cooling(table: xr.Dataset, run_files: list[str]) -> Figure:
 
 
 def _speed(table: xr.Dataset) -> Figure:
-    """Seconds against N for every method, with one thread and with all."""
-    figure = Figure(figsize=(0.75 * WIDTH, PANEL_HEIGHT + 1.0), layout="constrained")
+    """Draw seconds against N for every method, with one thread and with all."""
+    figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 1.0), layout="constrained")
     ax = figure.subplots()
     counts = np.unique(table["threads"]).tolist()
     for (method, threads), line in _lines(table, ["method", "threads"]):
@@ -302,12 +311,20 @@ def _speed(table: xr.Dataset) -> Figure:
     ax.set_yscale("log")
     ax.set(xlabel=SYMBOLS["N"], ylabel=SYMBOLS["seconds"])
     _mark_values(ax, "N", np.unique(table["N"]))
-    figure.legend(loc="outside right upper")
+    handles, labels = ax.get_legend_handles_labels()
+    # Stable: ours by method, one thread before all, then the paper and the guide.
+    order = sorted(range(len(labels)), key=lambda i: METHODS_FIRST.get(labels[i].split(",")[0], 9))
+    ax.legend(
+        [handles[i] for i in order],
+        [labels[i] for i in order],
+        loc="center left",
+        bbox_to_anchor=(1.01, 0.5),
+    )
     return figure
 
 
 def _complexity_guide(ax: Axes, table: xr.Dataset) -> None:
-    """N⁴ log N, the cost of the fast method in 3D, below the fastest line."""
+    """Draw N⁴ log N, the cost of the fast method in 3D, below the fastest line."""
     N = np.unique(table["N"]).astype(float)
     cost = N**4 * np.log(N)
     seconds = np.array([table["seconds"].values[table["N"].values == n].min() for n in N])

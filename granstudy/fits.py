@@ -7,7 +7,7 @@ from granstudy.theory import haff_temperature
 
 
 def fit_order(x: np.ndarray, error: np.ndarray) -> tuple[float, float]:
-    """Order p and prefactor c of error = c xᵖ, by a straight line through the logarithms.
+    """Fit order p and prefactor c of error = c xᵖ, by a straight line through the logarithms.
 
     Parameters
     ----------
@@ -17,8 +17,8 @@ def fit_order(x: np.ndarray, error: np.ndarray) -> tuple[float, float]:
     Returns
     -------
     order, prefactor : float
-        Least squares of log(error) = p log(x) + log(c): every point counts by its ratio to the line,
-        so the small errors weigh as much as the large ones.
+        Least squares of log(error) = p log(x) + log(c): every point counts by its ratio to the
+        line, so the small errors weigh as much as the large ones.
 
     Raises
     ------
@@ -38,11 +38,11 @@ def fit_order(x: np.ndarray, error: np.ndarray) -> tuple[float, float]:
 def fit_haff(
     time: np.ndarray, temperature: np.ndarray, T0: float | None = None
 ) -> tuple[float, float]:
-    """C0 of Haff's law T = T0 (1 + C0 t)^{−2} by least squares, and its standard error.
+    """Fit C0 of Haff's law T = T0 (1 + C0 t)^{−2} by least squares, and its standard error.
 
-    As the paper fits it (its Figs. 3 and 4, eq. 52): T0 stays at the initial temperature, all times
-    weigh alike. Haff's law holds for a fixed shape of the density; while the shape still changes, C0
-    depends on the fitted interval, which the standard error does not tell.
+    As the paper fits it (its Figs. 3 and 4, eq. 52): T0 stays at the initial temperature, all
+    times weigh alike. Haff's law holds for a fixed shape of the density; while the shape still
+    changes, C0 depends on the fitted interval, which the standard error does not tell.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ class InitialDensity(Protocol):
 
 def _squared(v: Sequence[np.ndarray], centre: Sequence[float]) -> np.ndarray:
     """|v − centre|²."""
-    return sum((vi - ci) ** 2 for vi, ci in zip(v, centre, strict=True))
+    return np.asarray(sum((vi - ci) ** 2 for vi, ci in zip(v, centre, strict=True)))
 
 
 @dataclass(frozen=True)
@@ -29,9 +29,7 @@ class Bkw2D:
         """f0 = 1/(2πK²) e^{−v²/2K} (2K − 1 + (1−K)/(2K) v²)."""
         K = 1.0 - np.exp(-1.0 / 16.0) / 2.0
         v2 = _squared(v, (0.0, 0.0))
-        return (
-            np.exp(-v2 / (2 * K)) * (2 * K - 1 + (1 - K) / (2 * K) * v2) / (2 * np.pi * K**2)
-        )
+        return np.exp(-v2 / (2 * K)) * (2 * K - 1 + (1 - K) / (2 * K) * v2) / (2 * np.pi * K**2)
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,7 @@
 """A table of runs as a Markdown table that people read."""
 
+from collections import Counter
+
 import numpy as np
 import xarray as xr
 
@@ -28,8 +30,8 @@ HEADINGS = {
 """What heads a column; the name itself where none is given."""
 
 QUANTITIES = {
-    "paper_temperature_error": "|T − T_ref| at the final time, measured as the paper does: T = 2E/d, not "
-    "divided by density; T_ref by the exact law from the discrete initial T",
+    "paper_temperature_error": "|T − T_ref| at the final time, measured as the paper does: "
+    "T = 2E/d, not divided by density; T_ref by the exact law from the discrete initial T",
     "temperature_error": "|T − T_exact| at the final time, T divided by density",
 }
 """What a quantity is, where its long name is too short for a reader of the table alone."""
@@ -42,24 +44,25 @@ def markdown_table(table: xr.Dataset) -> str:
     in the refined parameter alone do.
     """
     swept = table.attrs["swept"].split()
+    parameters = len(swept) - 1
     if "refined" in table.attrs:
         header, lines = _across(table, swept, table.attrs["refined"])
     elif _shared_lines(table, swept):
         header, lines = _across(table, swept, "method")
     else:
         header, lines = _long(table, swept)
-    rule = ["---" if i < len(swept) - 1 else "---:" for i in range(len(header))]
+        parameters = len(swept)
+    rule = ["---" if i < parameters else "---:" for i in range(len(header))]
     rows = ["| " + " | ".join(cells) + " |" for cells in (header, rule, *lines)]
     return "\n".join([f"# {table.attrs['title']}", "", *rows, "", *_legend(table)]) + "\n"
 
 
 def _shared_lines(table: xr.Dataset, swept: list[str]) -> bool:
-    """Whether methods side by side leave at least as many filled places as empty ones."""
+    """Tell whether at least half of the lines would hold more than one method."""
     if "method" not in swept or "C0" in table or "seconds" in table:
         return False
-    lines = set(_keys(table, [name for name in swept if name != "method"]))
-    methods = np.unique(table["method"]).size
-    return methods > 1 and 2 * table.sizes["run"] >= methods * len(lines) > len(lines)
+    runs = Counter(_keys(table, [name for name in swept if name != "method"])).values()
+    return 2 * sum(count > 1 for count in runs) >= len(runs)
 
 
 def _keys(table: xr.Dataset, names: list[str]) -> list[tuple[str, ...]]:
@@ -77,7 +80,8 @@ def _parameter(value: object) -> str:
 def _long(table: xr.Dataset, swept: list[str]) -> tuple[list[str], list[list[str]]]:
     """One line a run, all columns."""
     names = [str(name) for name in table.data_vars if name not in ("status", "has_paper")]
-    header = [HEADINGS.get(name, name.replace("_", " ")) for name in (*swept, *names)]
+    header = [HEADINGS.get(name, name) for name in swept]
+    header += [HEADINGS.get(name, name.replace("_", " ")) for name in names]
     lines = [
         [*key, *(_number(table, name, i) for name in names)]
         for i, key in enumerate(_keys(table, swept))
@@ -85,14 +89,15 @@ def _long(table: xr.Dataset, swept: list[str]) -> tuple[list[str], list[list[str
     return header, lines
 
 
-def _across(
-    table: xr.Dataset, swept: list[str], across: str
-) -> tuple[list[str], list[list[str]]]:
+def _across(table: xr.Dataset, swept: list[str], across: str) -> tuple[list[str], list[list[str]]]:
     """One line for the runs that differ in ``across`` alone: the quantity side by side."""
     names = [name for name in swept if name != across]
     keys = _keys(table, names)
     # In the order of the sweep, parameter by parameter, whichever block a run comes from.
-    order = [{v: i for i, v in enumerate(dict.fromkeys(values))} for values in zip(*keys, strict=True)]
+    order = [
+        {value: i for i, value in enumerate(dict.fromkeys(values))}
+        for values in zip(*keys, strict=True)
+    ]
     columns = list(dict.fromkeys(_keys(table, [across])))
     if across == "method":
         # The yardstick beside the paper that it reproduces, then what we add.
@@ -126,8 +131,10 @@ def _across(
 
 
 def _number(table: xr.Dataset, name: str, i: int) -> str:
-    """A number as text, to the digits that are worth reading."""
+    """Write a number to the digits that are worth reading."""
     value = table[name].values[i]
+    if table[name].dtype.kind in "iu":
+        return str(value)
     if name == table.attrs["quantity"] and np.isnan(value):
         return Status(int(table["status"].values[i])).name.lower()
     if np.isnan(value):
@@ -141,7 +148,7 @@ def _number(table: xr.Dataset, name: str, i: int) -> str:
 
 
 def _legend(table: xr.Dataset) -> list[str]:
-    """What the quantity is, and what is held fixed."""
+    """Say what the quantity is, and what is held fixed."""
     quantity = table.attrs["quantity"]
     meaning = QUANTITIES.get(quantity, table[quantity].attrs.get("long_name", quantity))
     lines = [f"{quantity}: {meaning}."]

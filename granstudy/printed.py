@@ -10,7 +10,11 @@ from granstudy.errors import unknown_name
 from granstudy.reference import paper_table
 
 HAFF_CONSTANTS = {0.2: 0.5159, 0.8: 0.19058}
-"""C0 by e for T0 = 2, the legend of the published Fig. 4 (docs/method.md §6)."""
+"""C0 by e for T0 = 2, the legend of the published Fig. 4 (docs/method.md §6).
+
+With N = 32, our C0 is 0.1906 and 0.5160 at R = 8, but 0.1878 and 0.5102 at R = 7, where the
+truncation takes 6% of the initial cooling: the printed numbers are those of R = 8.
+"""
 
 NAMES = (*(f"table{number}" for number in range(1, 9)), "figure4")
 
@@ -24,16 +28,16 @@ class Printed:
 
 
 def printed_quantity(name: str, quantity: str) -> str:
-    """The variable of a table that ``name`` prints: the table's quantity, C0 for Figure 4."""
+    """Name the variable of a table that ``name`` prints: the table's quantity, C0 for Figure 4."""
     return "C0" if name == "figure4" else quantity
 
 
 def printed_numbers(name: str) -> list[Printed]:
-    """All numbers of ``table1`` .. ``table8``, or the Haff constants of ``figure4``.
+    """List all numbers of ``table1`` .. ``table8``, or the Haff constants of ``figure4``.
 
-    Tables 1 and 2 have a column for each variant; Tables 3, 4, 6 and 7 are spherical designs, Table 8 is
-    Gauss–Legendre in θ and φ. The fast method of Table 5 is what we call `literal`: both that and our
-    `fast` are compared with it.
+    Tables 1 and 2 have a column for each variant; Tables 3, 4, 6 and 7 are spherical designs, Table
+    8 is Gauss–Legendre in θ and φ. The fast method of Table 5 is what we call `literal`: both that
+    and our `fast` are compared with it.
     """
     if name not in NAMES:
         raise unknown_name("printed table", name, NAMES)
@@ -62,7 +66,7 @@ def printed_numbers(name: str) -> list[Printed]:
 
 
 def match_printed(name: str, runs: xr.Dataset) -> np.ndarray:
-    """The printed number of every run, NaN where the paper prints none.
+    """Find the printed number of every run, NaN where the paper prints none.
 
     Raises
     ------

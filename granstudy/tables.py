@@ -47,9 +47,9 @@ def experiment_table(
     -------
     xarray.Dataset
         Swept parameters are coordinates along ``run`` (listed in the attribute `swept`), all others
-        scalar coordinates. Variables: the quantity; of the paper `paper` and `ratio` (ours / paper), NaN
-        where `has_paper` is false; other measures of the same runs; fits; `status`. A run
-        that ended early has NaN for its numbers, and its status.
+        scalar coordinates. Variables: the quantity; of the paper `paper` and `ratio`
+        (ours / paper), NaN where `has_paper` is false; other measures of the same runs; fits;
+        `status`. A run that ended early has NaN for its numbers, and its status.
 
     Raises
     ------
@@ -84,14 +84,14 @@ def experiment_table(
 
 
 def write_table(table: xr.Dataset, nc: str | Path, csv: str | Path, md: str | Path) -> None:
-    """Write a table as NetCDF, CSV and Markdown, each whole or not at all, same table same bytes."""
+    """Write a table as NetCDF, CSV and Markdown, each whole or not at all."""
     write_dataset(table, nc, sidecar=False)
     write_whole(Path(csv), lambda partial: partial.write_text(csv_table(table)))
     write_whole(Path(md), lambda partial: partial.write_text(markdown_table(table)))
 
 
 def csv_table(table: xr.Dataset) -> str:
-    """The table as CSV: swept parameters, then numbers to 10 digits, then status as a word."""
+    """Write the table as CSV: swept parameters, numbers to 10 digits, status as a word."""
     swept = table.attrs["swept"].split()
     names = [str(name) for name in table.data_vars if name != "has_paper"]
     stream = io.StringIO()
@@ -137,8 +137,8 @@ def _collision(rows: Rows, files: dict[str, str]) -> xr.Dataset:
         ]
         largest = [abs(reference).max() for reference in references]
         errors, largest = dask.compute(errors, largest)
-    with open_status([file for _, file in rows]) as table:
-        table = table.load()
+    with final_values([file for _, file in rows]) as final:
+        table = final[["status"]].load()
     error = np.array([value.item() for value in errors])
     scale = np.array([value.item() for value in largest])
     for name, values, long_name in (
@@ -147,11 +147,6 @@ def _collision(rows: Rows, files: dict[str, str]) -> xr.Dataset:
     ):
         table[name] = ("run", values, {"long_name": long_name, "units": "1"})
     return _with_swept(table, rows)
-
-
-def open_status(files: list[str]) -> xr.Dataset:
-    """Parameters and status of runs, whatever their grids."""
-    return final_values(files)[["status"]]
 
 
 def _benchmark(files: list[str]) -> xr.Dataset:
@@ -214,8 +209,9 @@ def _with_haff(table: xr.Dataset, rows: Rows) -> xr.Dataset:
         "C0_error": "standard error of the fitted C0",
         "C0_theory": "Haff constant of a Gaussian shape at the initial temperature",
     }
-    for (name, long_name), values in zip(long_names.items(), zip(*fitted, strict=True), strict=True):
-        table[name] = ("run", np.array(values), {"long_name": long_name, "units": "1"})
+    for column, (name, long_name) in enumerate(long_names.items()):
+        values = np.array([numbers[column] for numbers in fitted])
+        table[name] = ("run", values, {"long_name": long_name, "units": "1"})
     return table
 
 
@@ -251,7 +247,7 @@ def _finish(table: xr.Dataset, experiment: "Experiment") -> xr.Dataset:
     names = [name for name in (*first, *beside, "status") if name in table]
     kept = ("swept", "quantity", "refined", "paper_quantity")
     attributes = {key: table.attrs[key] for key in kept if key in table.attrs}
-    table = table[list(dict.fromkeys(n for n in names if n != "status")) + ["status"]]
+    table = table[[*dict.fromkeys(name for name in names if name != "status"), "status"]]
     table.attrs = {
         "title": experiment.title,
         "Conventions": CONVENTIONS,

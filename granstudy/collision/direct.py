@@ -45,25 +45,24 @@ class DirectOperator:
         self.grid = grid = solver.grid(scene.dim)
         self.scene = scene
         self.circular = solver.circular
-        self.radial = converged_radial(scene, grid) if solver.N_rho is None else radial_nodes(
-            scene, solver
+        self.radial = (
+            converged_radial(scene, grid) if solver.N_rho is None else radial_nodes(scene, solver)
         )
         self.measure = radial_measure(
             scene.kernel, grid.dim, self.radial.points, self.radial.weights
         )
         self.loss = loss_weight(
             scene.kernel, grid, self.radial.points, self.radial.weights, half=False
-        )
-        # Modes as (n, 3) integers, the second axis of length 1 in 2D.
+        ).reshape(grid.N, -1, grid.N)
+        # Modes as (n, 3) integers; arrays have three axes, the second of length 1 in 2D.
         k, ny = grid.wavenumbers, grid.N if grid.dim == 3 else 1
-        self.modes = np.stack(
-            [a.ravel() for a in np.meshgrid(k, k[:ny], k, indexing="ij")], axis=1
-        )
+        self.modes = np.stack([a.ravel() for a in np.meshgrid(k, k[:ny], k, indexing="ij")], axis=1)
         self.threads = solver.thread_count
+        self._weight: ScalarTable | AngularSeries
         if callable(scene.restitution):
-            self._gain = AngularSeries(scene.restitution, grid, self.radial, self.measure)
+            self._weight = AngularSeries(scene.restitution, grid, self.radial, self.measure)
         else:
-            self._gain = ScalarTable(float(scene.restitution), grid, self.radial, self.measure)
+            self._weight = ScalarTable(float(scene.restitution), grid, self.radial, self.measure)
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
         """Q(f,f), of the type of ``f``."""
@@ -75,21 +74,11 @@ class DirectOperator:
         groups = [np.flatnonzero(k2 == value) for value in np.unique(k2)]
 
         def sum_group(group: np.ndarray) -> None:
-            self._gain.sum(self.modes, group, f_hat, self.circular, Q_hat)
+            self._weight.sum(self.modes, group, f_hat, self.loss, self.circular, Q_hat)
 
         with ThreadPoolExecutor(self.threads) as pool:
             list(pool.map(sum_group, groups))
-        loss = np.zeros_like(Q_hat)
-        loss_hat = self.loss.reshape(shape) * f_hat
-        parts = np.array_split(np.arange(f_hat.size), self.threads)
-        with ThreadPoolExecutor(self.threads) as pool:
-            list(
-                pool.map(
-                    lambda part: _convolve(self.modes, part, f_hat, loss_hat, self.circular, loss),
-                    parts,
-                )
-            )
-        Q = np.fft.ifftn((Q_hat - loss).reshape(self.grid.shape)) * f.size
+        Q = np.fft.ifftn(Q_hat.reshape(self.grid.shape)) * f.size
         return Q if np.iscomplexobj(f) else Q.real
 
 
@@ -127,15 +116,16 @@ class ScalarTable:
         modes: np.ndarray,
         group: np.ndarray,
         f_hat: np.ndarray,
+        loss: np.ndarray,
         circular: bool,
         Q_hat: np.ndarray,
     ) -> None:
-        """Fill Q̂⁺ at the modes of ``group``, which share one |k|."""
+        """Fill Q̂ at the modes of ``group``, which share one |k|."""
         k = self.unit * np.sqrt(float(np.square(modes[group[0]]).sum()))
         profile = self.means @ (self.measure * sphere_mean(self.dim, self.alpha * k * self.radii))
         table = profile.reshape(-1, DEGREE + 1) @ self.to_coefficients.T
         scale = self.unit / self.width
-        _sum_table(modes, group, f_hat, circular, self.alpha, scale, table, Q_hat)
+        _sum_table(modes, group, f_hat, loss, circular, self.alpha, scale, table, Q_hat)
 
 
 class AngularSeries:
@@ -181,107 +171,102 @@ class AngularSeries:
         modes: np.ndarray,
         group: np.ndarray,
         f_hat: np.ndarray,
+        loss: np.ndarray,
         circular: bool,
         Q_hat: np.ndarray,
     ) -> None:
-        """Fill Q̂⁺ at the modes of ``group``, which share one |k|."""
+        """Fill Q̂ at the modes of ``group``, which share one |k|."""
         k = self.unit * np.sqrt(float(np.square(modes[group[0]]).sum()))
         rho = self.radial.points[:, None]
         across = np.sqrt(np.maximum(1 - self.mu**2, 0.0))
-        phase = mean_phase(
-            self.restitution, self.dim, rho, rho * k * self.mu, rho * k * across
-        )
+        phase = mean_phase(self.restitution, self.dim, rho, rho * k * self.mu, rho * k * across)
         a = phase @ self.project.T * (-1j) ** self.degrees  # (shells, degrees)
         series = np.einsum("s,sl,msl->ml", self.measure, a, self.bessel).real.copy()
-        _sum_series(modes, group, f_hat, circular, self.dim, series, self.place, Q_hat)
+        _sum_series(modes, group, f_hat, loss, circular, self.dim, series, self.place, Q_hat)
 
 
 @numba.njit(nogil=True, cache=True)
-def _partner(difference, N, circular):
-    """FFT index of the mode ``difference`` = k − m, or −1 where it is outside the spectrum."""
-    if -(N // 2) <= difference < N // 2 or circular:
-        return difference % N
-    return -1
+def _partners(k, N, circular):
+    """FFT index of k − m for the N wavenumbers m of one axis, −1 where that is outside the spectrum."""
+    out = np.empty(N, np.int64)
+    for i in range(N):
+        difference = k - (i if i < (N + 1) // 2 else i - N)
+        inside = -(N // 2) <= difference < (N + 1) // 2
+        out[i] = difference % N if inside or circular else -1
+    return out
 
 
 @numba.njit(nogil=True, cache=True)
-def _sum_table(modes, group, f_hat, circular, alpha, scale, table, Q_hat):
-    """Σ_m table(|m−αk|) f̂_{k−m} f̂_m for each k of the group."""
-    N = f_hat.shape[0]
-    ny = f_hat.shape[1]
-    flat = f_hat.ravel()
-    degree = table.shape[1] - 1
+def _sum_table(modes, group, f_hat, loss, circular, alpha, scale, table, Q_hat):
+    """Σ_m [table(|m−αk|) − loss_m] f̂_{k−m} f̂_m for each k of the group."""
+    nx, ny, nz = f_hat.shape
     for p in group:
         kx, ky, kz = modes[p]
+        px, py, pz = (
+            _partners(kx, nx, circular),
+            _partners(ky, ny, circular),
+            _partners(kz, nz, circular),
+        )
         total = 0.0 + 0.0j
-        for q in range(flat.size):
-            mx, my, mz = modes[q]
-            i = _partner(kx - mx, N, circular)
-            j = _partner(ky - my, ny, circular) if ny > 1 else 0
-            k = _partner(kz - mz, N, circular)
-            if i < 0 or j < 0 or k < 0:
-                continue
-            s = scale * np.sqrt(
-                (mx - alpha * kx) ** 2 + (my - alpha * ky) ** 2 + (mz - alpha * kz) ** 2
-            )
-            cell = int(s)
-            t = 2.0 * (s - cell) - 1.0
-            weight = table[cell, degree]
-            for power in range(degree - 1, -1, -1):
-                weight = weight * t + table[cell, power]
-            total += weight * f_hat[i, j, k] * flat[q]
+        for i in range(nx):
+            mx = i if i < (nx + 1) // 2 else i - nx
+            for j in range(ny):
+                my = j if j < (ny + 1) // 2 else j - ny
+                if px[i] < 0 or py[j] < 0:
+                    continue
+                across = (mx - alpha * kx) ** 2 + (my - alpha * ky) ** 2
+                partner = f_hat[px[i], py[j]]
+                for k in range(nz):
+                    if pz[k] < 0:
+                        continue
+                    mz = k if k < (nz + 1) // 2 else k - nz
+                    s = scale * np.sqrt(across + (mz - alpha * kz) ** 2)
+                    cell = int(s)
+                    t = 2.0 * (s - cell) - 1.0
+                    c = table[cell]
+                    weight = ((((c[5] * t + c[4]) * t + c[3]) * t + c[2]) * t + c[1]) * t + c[0]
+                    total += (weight - loss[i, j, k]) * (partner[pz[k]] * f_hat[i, j, k])
         Q_hat[p] = total
 
 
 @numba.njit(nogil=True, cache=True)
-def _sum_series(modes, group, f_hat, circular, dim, series, place, Q_hat):
-    """Σ_m [Σ_l series[|m|², l] P_l(k̂·m̂)] f̂_{k−m} f̂_m for each k of the group; cos lθ in 2D."""
-    N = f_hat.shape[0]
-    ny = f_hat.shape[1]
-    flat = f_hat.ravel()
+def _sum_series(modes, group, f_hat, loss, circular, dim, series, place, Q_hat):
+    """Σ_m [Σ_l series[|m|², l] P_l(k̂·m̂) − loss_m] f̂_{k−m} f̂_m for each k of the group; cos lθ in 2D."""
+    nx, ny, nz = f_hat.shape
     for p in group:
         kx, ky, kz = modes[p]
+        px, py, pz = (
+            _partners(kx, nx, circular),
+            _partners(ky, ny, circular),
+            _partners(kz, nz, circular),
+        )
         total = 0.0 + 0.0j
-        for q in range(flat.size):
-            mx, my, mz = modes[q]
-            i = _partner(kx - mx, N, circular)
-            j = _partner(ky - my, ny, circular) if ny > 1 else 0
-            k = _partner(kz - mz, N, circular)
-            if i < 0 or j < 0 or k < 0:
-                continue
-            m2 = mx * mx + my * my + mz * mz
-            length = np.sqrt(float(m2 * (kx * kx + ky * ky + kz * kz)))
-            mu = (kx * mx + ky * my + kz * mz) / length if length > 0.0 else 1.0
-            coefficients = series[place[m2]]
-            before, now = 1.0, mu
-            weight = coefficients[0]
-            for degree in range(1, coefficients.size):
-                weight += coefficients[degree] * now
-                if dim == 2:
-                    before, now = now, 2.0 * mu * now - before
-                else:
-                    before, now = now, ((2 * degree + 1) * mu * now - degree * before) / (
-                        degree + 1
-                    )
-            total += weight * f_hat[i, j, k] * flat[q]
+        for i in range(nx):
+            mx = i if i < (nx + 1) // 2 else i - nx
+            for j in range(ny):
+                my = j if j < (ny + 1) // 2 else j - ny
+                for k in range(nz):
+                    if px[i] < 0 or py[j] < 0 or pz[k] < 0:
+                        continue
+                    mz = k if k < (nz + 1) // 2 else k - nz
+                    m2 = mx * mx + my * my + mz * mz
+                    length = np.sqrt(float(m2 * (kx * kx + ky * ky + kz * kz)))
+                    mu = (kx * mx + ky * my + kz * mz) / length if length > 0.0 else 1.0
+                    weight = _sum_polynomials(dim, series[place[m2]], mu)
+                    pair = f_hat[px[i], py[j], pz[k]] * f_hat[i, j, k]
+                    total += (weight - loss[i, j, k]) * pair
         Q_hat[p] = total
 
 
 @numba.njit(nogil=True, cache=True)
-def _convolve(modes, part, f_hat, g_hat, circular, out):
-    """out_k = Σ_m f̂_{k−m} ĝ_m for the modes of ``part``."""
-    N = f_hat.shape[0]
-    ny = f_hat.shape[1]
-    flat = g_hat.ravel()
-    for p in part:
-        kx, ky, kz = modes[p]
-        total = 0.0 + 0.0j
-        for q in range(flat.size):
-            mx, my, mz = modes[q]
-            i = _partner(kx - mx, N, circular)
-            j = _partner(ky - my, ny, circular) if ny > 1 else 0
-            k = _partner(kz - mz, N, circular)
-            if i < 0 or j < 0 or k < 0:
-                continue
-            total += f_hat[i, j, k] * flat[q]
-        out[p] = total
+def _sum_polynomials(dim, coefficients, mu):
+    """Σ_l coefficients[l] P_l(mu) by the three-term recurrence; T_l, that is cos lθ, in 2D."""
+    before, now = 1.0, mu
+    total = coefficients[0]
+    for degree in range(1, coefficients.size):
+        total += coefficients[degree] * now
+        if dim == 2:
+            before, now = now, 2.0 * mu * now - before
+        else:
+            before, now = now, ((2 * degree + 1) * mu * now - degree * before) / (degree + 1)
+    return total

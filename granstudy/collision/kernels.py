@@ -102,9 +102,7 @@ def accumulate_pairs(
 
 
 @_compile
-def accumulate_series(
-    products_hat, displacements, weights, shells, series, place, k2, radii, gain
-):
+def accumulate_series(products_hat, displacements, weights, shells, series, place, k2, radii, gain):
     """Sum a batch of antipodal pairs ±g for e(|g·ω|): their weight is a series in (k̂·ĝ)².
 
     gain += weight · e^{i½k·g} · 2Σ_n series[shell, |k|², n] T_n(2(k̂·ĝ)²−1) · products_hat, by Clenshaw's
@@ -141,7 +139,7 @@ def accumulate_series(
 
 @_compile
 def nodal_loss(displacements, weights, loss):
-    """loss = Σ_pairs weight · 2cos(m·g): the loss at the same nodes as the gain, a multiplier."""
+    """Loss = Σ_pairs weight · 2cos(m·g): the loss at the same nodes as the gain, a multiplier."""
     nx, ny, nz = loss.shape
     unpaired = nz - 1
     px = np.empty(nx, np.complex128)

@@ -10,7 +10,6 @@ from granstudy.kernel import check_restitution
 from granstudy.scene import Scene
 from granstudy.solver import Solver
 
-
 OPERATORS = {
     "literal": ("granstudy.collision.literal", "LiteralOperator"),
     "direct": ("granstudy.collision.direct", "DirectOperator"),
