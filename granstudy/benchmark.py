@@ -22,11 +22,11 @@ LEAST_SECONDS = 2.0
 
 
 def benchmark(runs: list[Run], threads: int) -> xr.Dataset:
-    """Time one evaluation on the initial density: every run of a study's experiment, on one thread
-    and on ``threads``.
+    """Time one evaluation of Q on the initial density for every run of a study's experiment.
 
-    The methods of one grid are timed in turn, round after round, so that a drift of the machine's
-    speed hits all alike; medians are reported, and every ratio is taken within one such series.
+    Each is timed on one thread and on ``threads``. The methods of one grid are timed in turn, round
+    after round, so that a drift of the machine's speed hits all alike; medians are reported, and every
+    ratio is taken within one such series.
 
     Returns
     -------
@@ -94,7 +94,7 @@ def _time_group(group: list[tuple[Scene, Solver]]) -> list[dict[str, object]]:
     operators = [collision_operator(scene, solver) for scene, solver in group]
     densities = [scene.density(op.grid) for (scene, _), op in zip(group, operators, strict=True)]
     calls: list[Callable[[], object]] = []
-    for (_, solver), operator, f in zip(group, operators, densities, strict=True):
+    for operator, f in zip(operators, densities, strict=True):
         calls.append(partial(operator, f))
         calls.append(operator.transform)
     times: list[list[float]] = [[] for _ in calls]

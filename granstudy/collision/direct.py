@@ -131,8 +131,8 @@ class ScalarTable:
 class AngularSeries:
     """G⁺ for e(|g·ω|) as a series in the angle of k and m: Legendre in 3D, Fourier in 2D.
 
-    With mean_phase = Σ_l a_l P_l(k̂·ĝ), ∫e^{−iρm·ĝ} P_l(k̂·ĝ) dĝ = 4π (−i)^l j_l(ρ|m|) P_l(k̂·m̂); in 2D cos lθ for
-    P_l and 2π (−i)^l J_l for 4π (−i)^l j_l.
+    With mean_phase = Σ_l a_l P_l(k̂·ĝ), ∫e^{−iρm·ĝ} P_l(k̂·ĝ) dĝ = 4π (−i)^l j_l(ρ|m|) P_l(k̂·m̂); in 2D cos lθ
+    for P_l and 2π (−i)^l J_l for 4π (−i)^l j_l.
     """
 
     def __init__(

@@ -1,0 +1,48 @@
+"""The direct method against the literal one, and its two weights against each other."""
+
+import numpy as np
+import pytest
+from comparison import assert_near, asymmetric_scene, evaluate
+
+import granstudy as gs
+
+
+@pytest.mark.parametrize(("dim", "N", "M"), [(2, 16, {"M_cir": 60}), (3, 8, {"M_sph": 192})])
+@pytest.mark.parametrize("e", [0.0, 0.3, 1.0])
+def test_circular_sums_equal_the_literal_method_at_a_converged_angular_rule(dim, N, M, e):
+    scene = asymmetric_scene(dim, exponent=1.0, restitution=e)
+    settings = {"N": N, "R": 6.0, "N_rho": 20}
+    reference = evaluate(scene, method="direct", circular=True, **settings)
+    literal = evaluate(scene, method="literal", variant="separate", **settings, **M)
+    assert_near(literal, reference, 1e-9 if dim == 2 else 2e-6)
+
+
+@pytest.mark.parametrize(("dim", "N"), [(2, 12), (3, 6)])
+def test_the_series_for_variable_restitution_equals_the_scalar_table(dim, N):
+    for e in (0.2, 0.9):
+        constant = asymmetric_scene(dim, exponent=0.5, restitution=e)
+        law = asymmetric_scene(dim, exponent=0.5, restitution=lambda v, e=e: e + 0 * v)
+        settings = {"N": N, "R": 6.0, "N_rho": 12, "method": "direct"}
+        for circular in (True, False):
+            table = evaluate(constant, circular=circular, **settings)
+            assert_near(evaluate(law, circular=circular, **settings), table, 1e-11)
+
+
+def test_the_solvers_radial_rule_converges_to_the_converged_one():
+    scene = asymmetric_scene(3, exponent=1.0)
+    settings = {"N": 8, "R": 6.0, "method": "direct"}
+    converged = evaluate(scene, N_rho=None, **settings)
+    assert_near(evaluate(scene, N_rho=24, **settings), converged, 1e-11)
+    with pytest.raises(AssertionError):
+        assert_near(evaluate(scene, N_rho=6, **settings), converged, 1e-6)
+
+
+def test_mass_is_conserved_and_the_state_keeps_its_type():
+    scene = asymmetric_scene(2)
+    solver = gs.Solver(N=16, R=6.0, method="direct", N_rho=None)
+    operator = gs.collision_operator(scene, solver)
+    f = scene.density(operator.grid)
+    Q = operator(f)
+    assert Q.dtype == np.float64
+    assert abs(Q.sum()) < 1e-12 * np.abs(Q).sum()
+    assert operator(f.astype(complex)).dtype == np.complex128

@@ -1,0 +1,43 @@
+"""Restitution that depends on the normal impact speed."""
+
+import numpy as np
+import pytest
+from comparison import assert_near, asymmetric_scene, evaluate
+
+import granstudy as gs
+
+
+@pytest.mark.parametrize("method", ["literal", "fast"])
+@pytest.mark.parametrize("variant", ["full", "separate"])
+@pytest.mark.parametrize(
+    ("dim", "settings"), [(2, {"N": 12, "M_cir": 10}), (3, {"N": 6, "M_sph": 12})]
+)
+def test_a_constant_law_equals_a_constant(method, variant, dim, settings):
+    settings = settings | {"R": 6.0, "N_rho": 6, "method": method, "variant": variant}
+    constant = evaluate(asymmetric_scene(dim, restitution=0.4), **settings)
+    law = evaluate(asymmetric_scene(dim, restitution=lambda v: 0.4 + 0 * v), **settings)
+    assert_near(law, constant, 1e-11)
+
+
+def test_a_viscoelastic_law_converges_to_the_direct_method():
+    scene = asymmetric_scene(2, exponent=1.0, restitution=gs.Viscoelastic(0.2))
+    reference = evaluate(scene, N=32, R=7.0, N_rho=24, method="direct")
+    coarse, fine = (evaluate(scene, N=32, R=7.0, N_rho=24, M_cir=M, method="fast") for M in (8, 40))
+    assert_near(fine, reference, 2e-4)
+    with pytest.raises(AssertionError):
+        assert_near(coarse, reference, 2e-3)
+
+
+def test_slower_impacts_dissipate_less():
+    """Viscoelastic grains: the same shape of gas, colder, cools with a larger e."""
+    law = gs.Viscoelastic(0.3)
+    rates = []
+    for T in (0.5, 1.0):
+        scene = gs.load_scene(
+            "maxwellian2d", temperature=T, restitution=law, kernel=gs.maxwell(2), diffusion=0.0
+        )
+        operator = gs.collision_operator(scene, gs.Solver(N=32, R=9.0, N_rho=20, M_cir=20))
+        v2 = sum(v**2 for v in operator.grid.velocities())
+        Q = operator(scene.density(operator.grid))
+        rates.append(-0.5 * np.sum(v2 * Q) * operator.grid.cell / T)
+    assert 0 < rates[0] < rates[1]

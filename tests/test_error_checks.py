@@ -1,0 +1,122 @@
+"""What wrong input gets: one clear error that names the field, the value and what is allowed."""
+
+import numpy as np
+import pytest
+
+import granstudy as gs
+
+GOOD_SOLVER = {"N": 8, "R": 7.0}
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"N": -8}, "N=-8: must be an even integer of at least 4"),
+        ({"N": 9}, "N=9: must be an even integer"),
+        ({"N": 8.0}, "N=8.0: must be an even integer"),
+        ({"N": [8]}, r"N=\[8\]: must be an even integer"),
+        ({"R": -1.0}, "R=-1.0: must be a positive number"),
+        ({"N_rho": 0}, "N_rho=0: must be a positive integer"),
+        ({"N_rho": None}, "N_rho=None: only method 'direct'"),
+        ({"M_sph": "32"}, "M_sph='32': must be a positive integer"),
+        ({"M_cir": 2.5}, "M_cir=2.5: must be a positive integer"),
+        ({"threads": 0}, "threads=0: must be a positive integer"),
+        ({"variant": "seperate"}, "unknown variant 'seperate' .did you mean 'separate'"),
+        ({"method": "quick"}, "unknown method 'quick'.*literal, direct, fast"),
+        ({"radial_rule": "simpson"}, "unknown radial_rule 'simpson'"),
+    ],
+)
+def test_solver(settings, message):
+    with pytest.raises(ValueError, match=message):
+        gs.Solver(**GOOD_SOLVER | settings)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        ({"restitution": 1.1}, "restitution=1.1: must lie between 0 and 1"),
+        ({"restitution": -0.1}, "restitution=-0.1: must lie between 0 and 1"),
+        ({"restitution": [0.5]}, r"restitution=\[0.5\]: must be a number"),
+        ({"restitution": lambda v: 1 + v}, "must lie between 0 and 1 for impact speeds"),
+        ({"restitution": lambda v: 0.5}, "must return an array of the shape"),
+        ({"diffusion": -1e-6}, "diffusion=-1e-06: must be a number of at least 0"),
+        ({"diffusion": "1e-6"}, "diffusion='1e-6': must be a number"),
+        ({"kernel": 1.0}, "kernel=1.0: must be a granstudy.VHS"),
+        ({"resitution": 0.5}, "'resitution' .did you mean 'restitution'"),
+        ({"temperature": 2.0}, "unknown field of scene 'bkw2d' 'temperature'"),
+    ],
+)
+def test_scene(overrides, message):
+    with pytest.raises(ValueError, match=message):
+        gs.load_scene("bkw2d", **overrides)
+
+
+def test_unknown_scene():
+    with pytest.raises(ValueError, match="unknown scene 'bkw4d' .did you mean 'bkw"):
+        gs.load_scene("bkw4d")
+
+
+@pytest.mark.parametrize(("exponent", "strength"), [(1.5, 1.0), (-0.1, 1.0), (0.0, 0.0)])
+def test_kernel(exponent, strength):
+    with pytest.raises(ValueError, match="exponent=|strength="):
+        gs.VHS(exponent, strength)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"M_sph": 33}, "M_sph=33: rule 'design' has sizes 2, 6, 12"),
+        ({"M_sph": 33, "sphere_rule": "lebedev"}, "M_sph=33"),
+        ({"sphere_rule": "no/such/file.txt"}, "no/such/file.txt"),
+    ],
+)
+def test_sphere_rules(settings, message):
+    with pytest.raises(ValueError, match=message):
+        gs.collision_operator(gs.load_scene("bkw3d"), gs.Solver(**GOOD_SOLVER, **settings))
+
+
+def test_a_restitution_that_leaves_its_range_within_R():
+    scene = gs.load_scene("bkw2d", restitution=lambda v: 1.0 - 0.5 * v)
+    with pytest.raises(ValueError, match="impact speeds up to 7"):
+        gs.collision_operator(scene, gs.Solver(**GOOD_SOLVER))
+
+
+@pytest.mark.parametrize("method", ["literal", "direct", "fast"])
+def test_densities(method):
+    scene = gs.load_scene("bkw2d", restitution=0.5)
+    operator = gs.collision_operator(scene, gs.Solver(N=8, R=7.0, N_rho=4, M_cir=4, method=method))
+    f = scene.density(operator.grid)
+    with pytest.raises(ValueError, match=r"shape \(6, 6\): the grid's is \(8, 8\)"):
+        operator(f[:6, :6])
+    f[3, 3] = np.nan
+    with pytest.raises(ValueError, match="NaN or infinite"):
+        operator(f)
+
+
+@pytest.mark.parametrize(
+    ("initial", "message"),
+    [
+        (lambda vx, vy: np.full((8, 8), np.nan), "64 values that are NaN"),
+        (lambda vx, vy: vx, r"shape \(8, 1\)"),
+        (lambda vx, vy: 0.0 * vx * vy, "no mass"),
+        (lambda vx, vy: 1j * vx * vy, "must be real"),
+    ],
+)
+def test_initial_densities(initial, message):
+    scene = gs.Scene(dim=2, initial=initial, kernel=gs.maxwell(2), restitution=0.5)
+    with pytest.raises(ValueError, match=message):
+        gs.simulate(scene, gs.Solver(**GOOD_SOLVER), t_final=1.0, dt=0.1)
+
+
+@pytest.mark.parametrize(
+    ("time", "message"),
+    [
+        ({"t_final": 1.0, "dt": 0.3}, "t_final=1.0 must be a whole number of steps"),
+        ({"t_final": -1.0, "dt": 0.1}, "t_final=-1.0: must be a positive number"),
+        ({"t_final": 1.0, "dt": [0.1]}, r"dt=\[0.1\]: must be a positive number"),
+        ({"t_final": 1.0, "dt": 0.1, "save_every": 0}, "save_every=0"),
+    ],
+)
+def test_times(time, message):
+    with pytest.raises(ValueError, match=message):
+        gs.simulate(gs.load_scene("bkw2d", restitution=0.5), gs.Solver(**GOOD_SOLVER), **time)

@@ -1,0 +1,131 @@
+"""Time integration: order, exact laws, what a dataset says of good and bad runs."""
+
+import numpy as np
+import pytest
+from comparison import assert_order
+
+import granstudy as gs
+from granstudy import theory
+from granstudy.evolve import laplace_operator, right_hand_side, rk3_step
+from granstudy.fits import fit_haff, fit_order
+
+
+def small(**overrides):
+    settings = {"N": 32, "R": 7.8, "N_rho": 16, "M_cir": 16} | overrides
+    return gs.Solver(**settings)
+
+
+def test_rk3_has_order_three_on_a_nonlinear_problem():
+    steps = 1.0 / np.array([8, 16, 32, 64])
+    errors = []
+    for dt in steps:
+        y = np.array([1.0])
+        for _ in range(round(1.0 / dt)):
+            y = rk3_step(lambda y: -(y**2), y, dt)
+        errors.append(abs(y[0] - 0.5))
+    assert_order(steps, errors, 3, 1e-6)
+
+
+@pytest.mark.parametrize("variant", ["full", "separate"])
+def test_maxwell_molecules_follow_the_exact_law_at_order_three(variant):
+    scene = gs.load_scene("bkw2d", restitution=0.2)
+    steps = [0.5, 0.25, 0.125]
+    errors = [
+        float(
+            gs.simulate(scene, small(N=64, variant=variant), t_final=2.0, dt=dt, progress=False)[
+                "paper_temperature_error"
+            ][-1]
+        )
+        for dt in steps
+    ]
+    assert abs(fit_order(steps, errors)[0] - 3.0) < 0.1, errors
+
+
+def test_the_laplacian_is_exact_for_both_kinds_of_state():
+    scene = gs.load_scene("maxwellian2d", temperature=0.8, restitution=0.5)
+    grid = gs.VelocityGrid(2, 48, 9.0)
+    f = scene.density(grid)
+    v2 = sum(v**2 for v in grid.velocities())
+    exact = f * (v2 / 0.8**2 - 2 / 0.8)
+    for state in (f, f.astype(complex)):
+        assert np.max(np.abs(laplace_operator(grid, state.dtype.type)(state) - exact)) < 1e-9
+
+
+def test_no_diffusion_costs_nothing():
+    operator = gs.collision_operator(gs.load_scene("bkw2d", restitution=0.5), small())
+    assert right_hand_side(operator, 0.0) is operator
+    assert right_hand_side(operator, 1e-6) is not operator
+
+
+def test_heating_at_e_1_is_linear_in_time():
+    scene = gs.load_scene("maxwellian2d", restitution=1.0, diffusion=0.05)
+    ds = gs.simulate(scene, small(R=9.0, M_cir=20), t_final=1.0, dt=0.1, progress=False)
+    T = ds["temperature"]
+    assert np.max(np.abs(T - (T[0] + 2 * 0.05 * ds["time"]))) < 1e-5
+
+
+def test_anisotropy_decays_at_the_exact_rate():
+    scene = gs.load_scene("double_well2d", restitution=0.4, diffusion=0.0)
+    solver = small(N=64, R=8.0, N_rho=24, M_cir=24)
+    ds = gs.simulate(scene, solver, t_final=1.0, dt=0.05, progress=False)
+    P = ds["pressure"].sel(component="x", component_="y")
+    rate = -np.log(float(P[-1] / P[0]))
+    assert rate == pytest.approx(theory.maxwell_anisotropy_rate(0.4, 2), rel=1e-5)
+
+
+def test_the_dataset_holds_moments_parameters_and_densities():
+    scene = gs.load_scene("bkw2d", restitution=0.5)
+    ds = gs.simulate(scene, small(), t_final=0.5, dt=0.1, save_every=2, progress=False)
+    assert ds["density"].sizes == {"time": 6}
+    assert ds["f"].dims == ("snapshot", "vx", "vy")
+    np.testing.assert_allclose(ds["snapshot"], [0.0, 0.2, 0.4, 0.5])
+    assert float(ds["e"]) == 0.5 and int(ds["N"]) == 32 and str(ds["method"].values) == "fast"
+    assert int(ds["status"]) == 0 and ds["status"].attrs["warnings"] == ""
+    for name, variable in ds.data_vars.items():
+        assert variable.attrs["long_name"], name
+        if name != "status":
+            assert variable.attrs["units"] == "1"
+    last = gs.moments(ds["f"].values[-1], gs.VelocityGrid(2, 32, 7.8))
+    assert float(last["temperature"]) == float(ds["temperature"][-1])
+
+
+@pytest.mark.parametrize("method", ["fast", "literal"])
+def test_a_run_that_blows_up_keeps_what_it_had_and_says_why(method):
+    scene = gs.load_scene("bkw2d", restitution=0.5, diffusion=5.0)
+    solver = small(N=16, N_rho=4, M_cir=4, method=method)
+    ds = gs.simulate(scene, solver, t_final=500.0, dt=1.0, progress=False)
+    assert int(ds["status"]) == 2
+    assert "smaller dt" in ds["status"].attrs["reason"] or "fell to" in ds["status"].attrs["reason"]
+    assert 1 <= ds.sizes["time"] < 501
+    assert np.all(np.isfinite(ds["temperature"]))
+
+
+@pytest.mark.parametrize(
+    ("scene", "solver", "warning"),
+    [
+        (("double_well3d", {}), {"N": 16, "R": 7.0, "N_rho": 8, "M_sph": 6}, "mass has drifted"),
+        (("maxwellian2d", {"temperature": 0.05}), {"N": 16}, "grid spacings"),
+        (("maxwellian2d", {"temperature": 4.0}), {"R": 5.0}, "box's faces"),
+    ],
+)
+def test_what_the_grid_cannot_hold_is_recorded(scene, solver, warning):
+    name, overrides = scene
+    scene = gs.load_scene(name, restitution=0.2, **overrides)
+    ds = gs.simulate(scene, small(**solver), t_final=0.2, dt=0.05, progress=False)
+    assert warning in ds["status"].attrs["warnings"]
+
+
+def test_hard_spheres_cool_by_haffs_law():
+    """The paper's Figure 4 on a coarse grid; its digits are checked by the study."""
+    scene = gs.load_scene(
+        "maxwellian3d",
+        temperature=2.0,
+        velocity=(0.5, -0.5, 0.0),
+        kernel=gs.hard_spheres(3),
+        restitution=0.8,
+        diffusion=0.0,
+    )
+    solver = gs.Solver(N=20, R=8.0, N_rho=12, M_sph=12)
+    ds = gs.simulate(scene, solver, t_final=2.0, dt=0.1, progress=False)
+    C0 = fit_haff(ds["time"].values, ds["temperature"].values)[0]
+    assert C0 == pytest.approx(0.1906, rel=0.03)

@@ -1,0 +1,115 @@
+"""Edits of the code that a run depends on change its fingerprint; other edits do not."""
+
+import shutil
+
+import pytest
+
+from granstudy import fingerprint as module
+from granstudy.fingerprint import fingerprint, run_fingerprint
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """A copy of the package, for the fingerprints to read, and how to edit it."""
+    copy = tmp_path / "granstudy"
+    shutil.copytree(module.PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__", "*.nb*"))
+    monkeypatch.setattr(module, "PACKAGE", copy)
+    monkeypatch.setattr(
+        module, "DATA", {"granstudy.quadrature.design_data": copy / "quadrature" / "data"}
+    )
+    forget()
+    yield copy
+    forget()
+
+
+def forget():
+    module.imported_modules.cache_clear()
+    module._tree.cache_clear()
+
+
+def edited(path, old, new):
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    forget()
+
+
+def all_fingerprints():
+    return {
+        (kind, method): run_fingerprint(kind, method)
+        for kind in ("evolution", "collision")
+        for method in ("literal", "direct", "fast")
+    }
+
+
+def changed(before):
+    return {key for key, value in all_fingerprints().items() if value != before[key]}
+
+
+def test_they_do_not_depend_on_where_the_package_lies(package):
+    here = all_fingerprints()
+    assert len(set(here.values())) == len(here)
+    shutil.copytree(package, package.parent / "again" / "granstudy")
+    module.PACKAGE = package.parent / "again" / "granstudy"
+    forget()
+    assert all_fingerprints() == here
+
+
+def test_comments_and_docstrings_change_nothing(package):
+    before = all_fingerprints()
+    for path in package.rglob("*.py"):
+        path.write_text(path.read_text() + "\n# a comment\n\n'''Text below a constant.'''\n")
+    edited(package / "evolve.py", '"""Advance a scene\'s', '"""Carry a scene\'s')
+    edited(package / "health.py", '"""Where a quantity becomes', '"""Where it becomes')
+    assert changed(before) == set()
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "kinds", "methods"),
+    [
+        ("moments.py", "0.5 * sum(", "0.25 * sum(", ["evolution"], ["literal", "direct", "fast"]),
+        ("evolve.py", "dt / 6", "dt / 7", ["evolution"], ["literal", "direct", "fast"]),
+        (
+            "grid.py",
+            "np.sqrt(2.0)",
+            "np.sqrt(3.0)",
+            ["evolution", "collision"],
+            ["literal", "direct", "fast"],
+        ),
+        ("collision/fast.py", "import ", "import math, ", ["evolution", "collision"], ["fast"]),
+        (
+            "collision/literal.py",
+            "import ",
+            "import math, ",
+            ["evolution", "collision"],
+            ["literal"],
+        ),
+    ],
+)
+def test_an_edit_changes_the_runs_it_affects(package, file, old, new, kinds, methods):
+    before = all_fingerprints()
+    edited(package / file, old, new)
+    found = changed(before)
+    assert {(kind, method) for kind in kinds for method in methods} <= found
+    assert {method for _, method in found} == set(methods)
+
+
+def test_design_points_count_as_code(package):
+    before = all_fingerprints()
+    path = sorted((package / "quadrature" / "data").iterdir())[0]
+    path.write_bytes(path.read_bytes() + b"\n")
+    assert {("evolution", "fast"), ("collision", "literal")} <= changed(before)
+
+
+def test_figures_and_tables_are_apart_from_runs_and_from_each_other(package):
+    before = all_fingerprints()
+    tables, figures = fingerprint(["granstudy.tables"]), fingerprint(["granstudy.figures"])
+    edited(package / "figures.py", "WIDTH = 8.0", "WIDTH = 9.0")
+    assert changed(before) == set()
+    assert fingerprint(["granstudy.tables"]) == tables
+    assert fingerprint(["granstudy.figures"]) != figures
+    edited(package / "collision" / "fast.py", "import ", "import math, ")
+    assert fingerprint(["granstudy.tables"]) == tables
+    edited(package / "markdown.py", "fitted order", "order")
+    assert fingerprint(["granstudy.tables"]) != tables
+    assert changed(before) == {("evolution", "fast"), ("collision", "fast")}

@@ -1,0 +1,66 @@
+"""Fits recover the laws that data were made from, and refuse what has no answer."""
+
+import numpy as np
+import pytest
+
+from granstudy.fits import fit_haff, fit_order
+from granstudy.theory import haff_temperature
+
+
+@pytest.mark.parametrize(("order", "prefactor"), [(3.0, 0.2), (-2.5, 7.0), (0.0, 1e-6)])
+def test_an_order_is_recovered(order, prefactor):
+    x = np.array([0.5, 0.25, 0.1, 0.01])
+    assert fit_order(x, prefactor * x**order) == pytest.approx((order, prefactor), abs=1e-12)
+
+
+def test_an_order_weighs_ratios_not_differences():
+    x = np.array([1.0, 0.1, 0.01])
+    # twice too large at the largest error, half at the smallest: a slope larger by log10(4)/2
+    order, _ = fit_order(x, x**2 * np.array([2.0, 1.0, 0.5]))
+    assert order == pytest.approx(2.0 + np.log10(4.0) / 2.0)
+
+
+@pytest.mark.parametrize("error", [[1.0, 0.0], [1.0, -1.0], [1.0, np.nan], [1.0, np.inf]])
+def test_an_order_needs_positive_errors(error):
+    with pytest.raises(ValueError, match="error=.*positive, finite"):
+        fit_order([1.0, 2.0], error)
+
+
+def test_an_order_needs_two_different_x():
+    with pytest.raises(ValueError, match="two different"):
+        fit_order([1.0, 1.0], [1.0, 2.0])
+
+
+@pytest.mark.parametrize(("C0", "T0"), [(0.19058, 2.0), (0.5159, 2.0), (5.0, 0.01)])
+def test_a_haff_constant_is_recovered(C0, T0):
+    t = np.linspace(0.0, 3.0, 301)
+    fitted, error = fit_haff(t, haff_temperature(t, T0, C0))
+    assert fitted == pytest.approx(C0, rel=1e-7)
+    assert error < 1e-7 * C0
+
+
+def test_the_initial_temperature_is_held():
+    t = np.linspace(0.0, 3.0, 301)
+    T = haff_temperature(t, 2.0, 0.5)
+    from_start, _ = fit_haff(t[100:] - 0.0, T[100:], T0=2.0)
+    assert from_start == pytest.approx(0.5, rel=1e-7)
+    too_warm, error = fit_haff(t, T, T0=2.2)
+    assert too_warm > 0.52
+    assert error > 1e-4
+
+
+def test_the_standard_error_covers_noise():
+    t = np.linspace(0.0, 3.0, 301)
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+    C0, error = fit_haff(t, haff_temperature(t, 2.0, 0.5) + noise, T0=2.0)
+    assert abs(C0 - 0.5) < 4.0 * error
+    assert error < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("t", "T", "message"),
+    [([0.0, 1.0], [1.0, 0.5], "three"), ([0.0, 1.0, 2.0], [1.0, 0.5, np.nan], "finite")],
+)
+def test_a_cooling_law_needs_data(t, T, message):
+    with pytest.raises(ValueError, match=message):
+        fit_haff(t, T)
