@@ -32,9 +32,13 @@ def test_maxwell_molecules_follow_the_exact_law_at_order_three(variant):
     steps = [0.5, 0.25, 0.125]
     errors = [
         float(
-            gs.simulate(scene, small(N=64, variant=variant), t_final=2.0, dt=dt, progress=False)[
-                "paper_temperature_error"
-            ][-1]
+            gs.simulate(
+                scene,
+                small(N=64, N_rho=30, M_cir=30, variant=variant),
+                t_final=2.0,
+                dt=dt,
+                progress=False,
+            )["paper_temperature_error"][-1]
         )
         for dt in steps
     ]
@@ -70,7 +74,7 @@ def test_anisotropy_decays_at_the_exact_rate():
     ds = gs.simulate(scene, solver, t_final=1.0, dt=0.05, progress=False)
     P = ds["pressure"].sel(component="x", component_="y")
     rate = -np.log(float(P[-1] / P[0]))
-    assert rate == pytest.approx(theory.maxwell_anisotropy_rate(0.4, 2), rel=1e-5)
+    assert rate == pytest.approx(theory.maxwell_anisotropy_rate(0.4, 2), rel=1e-4)
 
 
 def test_the_dataset_holds_moments_parameters_and_densities():

@@ -89,7 +89,7 @@ def test_a_run_outside_the_study(load):
         ),
         ("epsilon: 1.0e-6", "epsilom: 1", "scene.epsilom: unknown field .did you mean 'epsilon'"),
         ("N_rho: 8}", "N_roh: 8}", "solver.N_roh: unknown field .did you mean 'N_rho'"),
-        ("dt: 0.1", "dT: 0.1", "time.dT: unknown field .did you mean 'dt'"),
+        ("t_final: 1", "t_finl: 1", "time.t_finl: unknown field .did you mean 't_final'"),
         ("quantity: ", "quantitiy: ", "table.quantitiy: unknown field .did you mean 'quantity'"),
         ("e: [0.2", "ee: [0.2", "sweep: unknown parameter 'ee' .did you mean 'e'"),
         ("1.0e-6", "1e-6", "YAML reads 1e-3 as text"),

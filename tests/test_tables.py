@@ -101,11 +101,13 @@ def test_tables_and_figures_are_written_and_the_same_each_time(tables, tmp_path)
 
 def test_runs_open_as_one_array_over_the_swept_parameters(tables):
     folder = tables[0]
-    runs = gs.unstack_runs(gs.final_values(folder / "runs/table1"), ("e", "N", "method"))
-    assert dict(runs["temperature"].sizes) == {"e": 2, "N": 2, "method": 2}
+    over = ("e", "N", "method")
     one = gs.read_dataset(folder / "runs/table1/e~0.2/N~16/variant~full/method~fast.nc")
-    chosen = runs["temperature"].sel(e=0.2, N=16, method="fast")
+    with gs.final_values(folder / "runs/table1") as final:
+        temperature = gs.unstack_runs(final, over)["temperature"].compute()
+    assert dict(temperature.sizes) == {"e": 2, "N": 2, "method": 2}
+    chosen = temperature.sel({"e": 0.2, "N": 16, "method": "fast"})
     assert float(chosen) == float(one["temperature"][-1])
-    partial = gs.final_values(sorted((folder / "runs/table1").rglob("*.nc"))[:-1])
-    holes = gs.unstack_runs(partial, ("e", "N", "method"))["status"]
+    with gs.final_values(sorted((folder / "runs/table1").rglob("*.nc"))[:-1]) as partial:
+        holes = gs.unstack_runs(partial, over)["status"].compute()
     assert int((holes == -1).sum()) == 1

@@ -91,23 +91,64 @@ def test_mass(method, dim):
 
 
 @pytest.mark.parametrize("method", ["literal", "fast"])
-@each_dim
-def test_momentum_and_cooling_converge(method, dim):
-    # hard spheres: momentum is kept and the energy falls as ⟨|g|³⟩ says, up to truncation
+@pytest.mark.parametrize(("dim", "sizes"), [(2, (12, 16, 24)), (3, (8, 12, 20))])
+def test_momentum_and_cooling_converge(method, dim, sizes):
+    # hard spheres: momentum is kept and the energy falls as ⟨|g|³⟩ says, up to the truncation
+    scene = gs.load_scene(
+        f"maxwellian{dim}d", restitution=0.5, kernel=gs.hard_spheres(dim),
+        velocity=(0.3, -0.2, 0.1)[:dim],
+    )  # fmt: skip
+    law = -theory.gaussian_cooling_coefficient(scene.kernel, 0.5, dim)
     errors = []
-    for N in (8, 16) if dim == 3 else (8, 16, 24):
-        scene = gs.load_scene(
-            f"maxwellian{dim}d", restitution=0.5, kernel=gs.hard_spheres(dim),
-            velocity=(0.3, -0.2, 0.1)[:dim],
-        )  # fmt: skip
-        grid = gs.VelocityGrid(dim, N, 9.0)
-        Q = evaluate(scene, method=method, N=N, R=9.0, N_rho=16, M_cir=32, M_sph=110,
-                     sphere_rule="lebedev", variant="full")  # fmt: skip
-        momentum = moment_of(Q, grid, 1)
-        law = -theory.gaussian_cooling_coefficient(scene.kernel, 0.5, dim)
-        errors.append((np.abs(momentum).max(), abs(moment_of(Q, grid, 2) / dim - law)))
+    for N in sizes:
+        solver = {"N": N, "R": 8.0, "N_rho": 20, "M_cir": 32, "M_sph": 110, "variant": "full"}
+        Q = evaluate(scene, method=method, sphere_rule="lebedev", **solver)
+        grid = gs.VelocityGrid(dim, N, 8.0)
+        cooling = moment_of(Q, grid, 2) / dim
+        errors.append((np.abs(moment_of(Q, grid, 1)).max(), abs(cooling - law)))
     momentum, cooling = np.array(errors).T
-    assert momentum[-1] < 1e-5 if dim == 2 else momentum[-1] < 1e-3, f"momentum {momentum}"
-    assert cooling[-1] < 1e-4 if dim == 2 else cooling[-1] < 1e-2, f"cooling {cooling}"
     assert np.all(np.diff(momentum) < 0), f"momentum {momentum}"
-    assert np.all(np.diff(cooling) < 0), f"cooling {cooling}"
+    # the energy, even in v, converges sooner than the momentum, whose tails do not cancel
+    assert momentum[-1] < (1e-5 if dim == 2 else 2e-3), f"momentum {momentum}"
+    assert cooling[-1] < (1e-5 if dim == 2 else 1e-4), f"cooling {cooling}"
+    assert cooling[0] > 10 * cooling[-1], f"cooling {cooling}"
+
+
+@each_method
+@each_dim
+def test_elastic_maxwellian_is_an_equilibrium(method, dim):
+    scene = gs.load_scene(f"maxwellian{dim}d", temperature=0.8, restitution=1.0)
+    sizes = (8, 12, 16) if dim == 3 else (12, 16, 20, 24)
+    largest, energy = [], []
+    for N in sizes:
+        solver = {"N": N, "R": 7.0, "N_rho": 20, "M_cir": 32, "M_sph": 110}
+        grid = gs.VelocityGrid(dim, N, 7.0)
+        Q = evaluate(scene, method=method, sphere_rule="lebedev", **solver)
+        largest.append(np.abs(Q).max() / scene.density(grid).max())
+        energy.append(abs(moment_of(Q, grid, 2)))
+    limit = 1e-5 if dim == 2 else 5e-3
+    assert np.all(np.diff(largest) < 0), f"max|Q| {largest}"
+    assert largest[-1] < limit, f"max|Q| {largest}"
+    assert energy[-1] < limit, f"energy {energy}"
+
+
+@each_method
+@pytest.mark.parametrize("restitution", [0.2, 1.0])
+def test_maxwell_molecules_keep_their_moment_laws(method, restitution):
+    # of any density with u = 0, here the anisotropic double well: T and the traceless pressure
+    scene = gs.load_scene("double_well2d", restitution=restitution)
+    a = (1 + restitution) / 4
+    errors = []
+    for N in (16, 24, 32, 40):
+        grid = gs.VelocityGrid(2, N, 8.0)
+        solver = {"N": N, "R": 8.0, "N_rho": 30, "M_cir": 32}
+        Q = evaluate(scene, method=method, **solver)
+        before = gs.moments(scene.density(grid), grid)
+        x, y = grid.velocities()
+        cooling = moment_of(Q, grid, 2) / 2 + (1 - restitution**2) / 4 * float(before.temperature)
+        shear = (x * y * Q).sum() * grid.cell
+        shear += 2 * a * (1 - a) * float(before.pressure.sel(component="x", component_="y"))
+        errors.append((abs(cooling), abs(shear)))
+    for what, sequence in zip(("cooling", "shear"), np.array(errors).T, strict=True):
+        assert sequence[-1] < 1e-4 * sequence[0], f"{what} {sequence}"
+        assert sequence[-1] < 5e-6, f"{what} {sequence}"
