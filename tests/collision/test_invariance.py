@@ -126,7 +126,7 @@ def test_elastic_maxwellian_is_an_equilibrium(method, dim):
         Q = evaluate(scene, method=method, sphere_rule="lebedev", **solver)
         largest.append(np.abs(Q).max() / scene.density(grid).max())
         energy.append(abs(moment_of(Q, grid, 2)))
-    limit = 1e-5 if dim == 2 else 5e-3
+    limit = 1e-4 if dim == 2 else 5e-3
     assert np.all(np.diff(largest) < 0), f"max|Q| {largest}"
     assert largest[-1] < limit, f"max|Q| {largest}"
     assert energy[-1] < limit, f"energy {energy}"
@@ -135,20 +135,21 @@ def test_elastic_maxwellian_is_an_equilibrium(method, dim):
 @each_method
 @pytest.mark.parametrize("restitution", [0.2, 1.0])
 def test_maxwell_molecules_keep_their_moment_laws(method, restitution):
-    # of any density with u = 0, here the anisotropic double well: T and the traceless pressure
+    # of any density with u = 0, here the double well: T and the traceless part of the pressure
     scene = gs.load_scene("double_well2d", restitution=restitution)
-    a = (1 + restitution) / 4
+    alpha = (1 + restitution) / 4
     errors = []
-    for N in (16, 24, 32, 40):
+    for N in (32, 48, 64):
         grid = gs.VelocityGrid(2, N, 8.0)
-        solver = {"N": N, "R": 8.0, "N_rho": 30, "M_cir": 32}
-        Q = evaluate(scene, method=method, **solver)
+        Q = evaluate(scene, method=method, N=N, R=8.0, N_rho=30, M_cir=32)
         before = gs.moments(scene.density(grid), grid)
         x, y = grid.velocities()
         cooling = moment_of(Q, grid, 2) / 2 + (1 - restitution**2) / 4 * float(before.temperature)
         shear = (x * y * Q).sum() * grid.cell
-        shear += 2 * a * (1 - a) * float(before.pressure.sel(component="x", component_="y"))
+        shear += 2 * alpha * (1 - alpha) * float(before.pressure.sel(component="x", component_="y"))
         errors.append((abs(cooling), abs(shear)))
-    for what, sequence in zip(("cooling", "shear"), np.array(errors).T, strict=True):
-        assert sequence[-1] < 1e-4 * sequence[0], f"{what} {sequence}"
-        assert sequence[-1] < 5e-6, f"{what} {sequence}"
+    # what is left at N = 64 is the gas beyond the support radius R/2 = 4
+    for what, sequence, limit in zip(("cooling", "shear"), np.transpose(errors), (1e-6, 5e-5),
+                                     strict=True):  # fmt: skip
+        assert sequence[-1] < limit, f"{what} {sequence}"
+        assert sequence[-1] < 0.02 * sequence[0], f"{what} {sequence}"

@@ -4,14 +4,16 @@ rule table:
         lambda wildcards: run_files(wildcards.experiment),
     output:
         multiext(f"{RESULTS}/tables/{{experiment}}", ".nc", ".csv", ".md"),
-    params:
-        study=STUDY_FILE,
-        request=lambda wildcards: STUDY.model.experiments[wildcards.experiment].model_dump_json(
-            include={"title", "table", "fit", "reference"}
-        ),
-        code=fingerprint(["granstudy.tables"]),
     log:
         f"{RESULTS}/logs/tables/{{experiment}}.log",
+    params:
+        study=STUDY_FILE,
+        request=lambda wildcards: STUDY.model.experiments[
+            wildcards.experiment
+        ].model_dump_json(include={"title", "table", "fit", "reference"}),
+        code=fingerprint(["granstudy.tables"]),
+    conda:
+        "../envs/granstudy.yaml"
     message:
         "table {wildcards.experiment}"
     script:
@@ -24,14 +26,16 @@ rule figure:
         runs=lambda wildcards: run_files(wildcards.experiment),
     output:
         multiext(f"{RESULTS}/figures/{{experiment}}", ".png", ".svg"),
-    params:
-        study=STUDY_FILE,
-        request=lambda wildcards: STUDY.model.experiments[wildcards.experiment].model_dump_json(
-            include={"title", "figure"}
-        ),
-        code=fingerprint(["granstudy.figures"]),
     log:
         f"{RESULTS}/logs/figures/{{experiment}}.log",
+    params:
+        study=STUDY_FILE,
+        request=lambda wildcards: STUDY.model.experiments[
+            wildcards.experiment
+        ].model_dump_json(include={"title", "figure"}),
+        code=fingerprint(["granstudy.figures"]),
+    conda:
+        "../envs/granstudy.yaml"
     message:
         "figure {wildcards.experiment}"
     script:

@@ -41,7 +41,9 @@ def run_files(experiment):
 def experiments_with(part):
     """Names of the experiments that ask for a ``table`` or a ``figure``."""
     return [
-        name for name, model in STUDY.model.experiments.items() if getattr(model, part) is not None
+        name
+        for name, model in STUDY.model.experiments.items()
+        if getattr(model, part) is not None
     ]
 
 
@@ -65,4 +67,8 @@ def figures():
 
 def notebooks():
     """The executed analysis notebook, of the paper study."""
-    return f"{RESULTS}/notebooks/cooling_and_convergence.ipynb" if STUDY.name == "paper" else []
+    return (
+        f"{RESULTS}/notebooks/cooling_and_convergence.ipynb"
+        if STUDY.name == "paper"
+        else []
+    )

@@ -7,6 +7,8 @@ rule notebook:
         f"{RESULTS}/notebooks/{{name}}.ipynb",
     log:
         f"{RESULTS}/logs/notebooks/{{name}}.log",
+    conda:
+        "../envs/granstudy.yaml"
     message:
         "notebook {wildcards.name}"
     script:

@@ -3,18 +3,20 @@
 rule run:
     output:
         f"{RUNS}/{{experiment}}/{{point}}.nc",
-    params:
-        study=STUDY_FILE,
-        parameters=lambda wildcards: study_run(wildcards).parameters(),
-        code=lambda wildcards: run_fingerprint(
-            study_run(wildcards).model.run, study_run(wildcards).solver.method
-        ),
     log:
         f"{RESULTS}/logs/{{experiment}}/{{point}}.log",
     threads: lambda wildcards: study_run(wildcards).model.threads
     resources:
         mem_mb=lambda wildcards: study_run(wildcards).cost.memory_mb,
         runtime=lambda wildcards: study_run(wildcards).cost.minutes,
+    params:
+        study=STUDY_FILE,
+        parameters=lambda wildcards: study_run(wildcards).parameters(),
+        code=lambda wildcards: run_fingerprint(
+            study_run(wildcards).model.run, study_run(wildcards).solver.method
+        ),
+    conda:
+        "../envs/granstudy.yaml"
     message:
         "{wildcards.experiment} {wildcards.point}"
     script:
@@ -25,17 +27,20 @@ rule run:
 rule benchmark:
     output:
         f"{RESULTS}/benchmarks/{{experiment}}.nc",
+    log:
+        f"{RESULTS}/logs/{{experiment}}/benchmark.log",
+    threads: workflow.cores
     params:
         study=STUDY_FILE,
         parameters=lambda wildcards: [
             run.parameters() for run in STUDY.runs[wildcards.experiment].values()
         ],
         code=lambda wildcards: [
-            run_fingerprint("collision", method) for method in ("direct", "fast", "literal")
+            run_fingerprint("collision", method)
+            for method in ("direct", "fast", "literal")
         ],
-    log:
-        f"{RESULTS}/logs/{{experiment}}/benchmark.log",
-    threads: workflow.cores
+    conda:
+        "../envs/granstudy.yaml"
     message:
         "benchmark {wildcards.experiment}"
     script:
