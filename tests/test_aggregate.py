@@ -112,7 +112,7 @@ def test_runs_of_different_steps_have_final_values_only(tmp_path):
 
 
 def test_a_run_that_ended_early_says_so(tmp_path):
-    ok = write_run(tmp_path, "ok", e=0.9, dt=0.5, t_final=40.0)
+    ok = write_run(tmp_path, "ok", e=1.0, dt=0.5, t_final=40.0)
     early = write_run(tmp_path, "early", e=0.1, dt=0.5, t_final=40.0)
     assert (ok["status"], early["status"]) == (0, 2), "these scenes no longer end as the test needs"
     runs = gs.open_runs([tmp_path / "ok.nc", tmp_path / "early.nc"])

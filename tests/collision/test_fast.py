@@ -44,27 +44,27 @@ def radial(exponent):
     return "legendre" if float(exponent).is_integer() else "jacobi"
 
 
-def aliasing_floor(scene):
-    """Bound of the relative error that products on the grid leave at converged rules.
+def wrapped(scene):
+    """Σ|f̂_l||f̂_m| outside the spectrum, which wraps around it, over the same inside.
 
-    Σ|f̂_l||f̂_m| outside the spectrum, which wraps around, over the same inside. The terms have signs and
-    cancel: a thirtieth of it was the largest error seen, a tenth is taken.
+    The terms have signs and cancel: of 75 random scenes the error at converged rules was 0.16 of
+    this at most, 0.01 to 0.05 for most.
     """
     grid = gs.VelocityGrid(scene.dim, **BOXES[scene.dim])
     f_hat = np.abs(np.fft.fftshift(np.fft.fftn(scene.density(grid))))
     products = fftconvolve(f_hat, f_hat)  # l+m from −N on
     largest = products.max()
     products[(slice(grid.N // 2, 3 * grid.N // 2),) * grid.dim] = 0.0
-    return 0.1 * products.max() / largest
+    return products.max() / largest
 
 
 @pytest.fixture(scope="module", params=[(2, 0.0), (2, 0.5), (3, 1.0)], ids=str)
 def resolved(request):
-    """A scene without symmetry, its exact Q and the aliasing floor on its grid."""
+    """A scene without symmetry, its exact Q and the aliasing floor of its grid."""
     dim, exponent = request.param
     scene = asymmetric_scene(dim, seed=1, exponent=exponent, restitution=0.37)
     reference = direct_Q(scene)
-    return scene, reference, aliasing_floor(scene)
+    return scene, reference, 0.1 * wrapped(scene)
 
 
 @pytest.mark.parametrize("variant", ["separate", "full"])
@@ -101,7 +101,7 @@ def test_any_scene_in_2d_agrees_with_direct(seed, restitution, exponent, variant
     scene = asymmetric_scene(2, seed, exponent, restitution)
     reference = direct_Q(scene)
     Q = fast_Q(scene, variant=variant, radial_rule=radial(exponent))
-    assert_near(Q, reference, aliasing_floor(scene))
+    assert_near(Q, reference, 0.3 * wrapped(scene))
 
 
 @settings(max_examples=3, deadline=None, phases=ONCE)
@@ -114,7 +114,7 @@ def test_any_scene_in_3d_agrees_with_direct(seed, restitution, exponent):
     scene = asymmetric_scene(3, seed, exponent, restitution)
     reference = direct_Q(scene)
     Q = fast_Q(scene, radial_rule="jacobi")
-    assert_near(Q, reference, aliasing_floor(scene))
+    assert_near(Q, reference, 0.3 * wrapped(scene))
 
 
 @pytest.mark.parametrize("dim", [2, 3])

@@ -6,14 +6,14 @@ rule table:
         multiext(f"{RESULTS}/tables/{{experiment}}", ".nc", ".csv", ".md"),
     log:
         f"{RESULTS}/logs/tables/{{experiment}}.log",
+    conda:
+        "../envs/granstudy.yaml"
     params:
         study=STUDY_FILE,
         request=lambda wildcards: STUDY.model.experiments[
             wildcards.experiment
         ].model_dump_json(include={"title", "table", "fit", "reference"}),
         code=fingerprint(["granstudy.tables"]),
-    conda:
-        "../envs/granstudy.yaml"
     message:
         "table {wildcards.experiment}"
     script:
@@ -28,14 +28,14 @@ rule figure:
         multiext(f"{RESULTS}/figures/{{experiment}}", ".png", ".svg"),
     log:
         f"{RESULTS}/logs/figures/{{experiment}}.log",
+    conda:
+        "../envs/granstudy.yaml"
     params:
         study=STUDY_FILE,
         request=lambda wildcards: STUDY.model.experiments[
             wildcards.experiment
         ].model_dump_json(include={"title", "figure"}),
         code=fingerprint(["granstudy.figures"]),
-    conda:
-        "../envs/granstudy.yaml"
     message:
         "figure {wildcards.experiment}"
     script:

@@ -5,6 +5,8 @@ rule run:
         f"{RUNS}/{{experiment}}/{{point}}.nc",
     log:
         f"{RESULTS}/logs/{{experiment}}/{{point}}.log",
+    conda:
+        "../envs/granstudy.yaml"
     threads: lambda wildcards: study_run(wildcards).model.threads
     resources:
         mem_mb=lambda wildcards: study_run(wildcards).cost.memory_mb,
@@ -15,8 +17,6 @@ rule run:
         code=lambda wildcards: run_fingerprint(
             study_run(wildcards).model.run, study_run(wildcards).solver.method
         ),
-    conda:
-        "../envs/granstudy.yaml"
     message:
         "{wildcards.experiment} {wildcards.point}"
     script:
@@ -29,6 +29,8 @@ rule benchmark:
         f"{RESULTS}/benchmarks/{{experiment}}.nc",
     log:
         f"{RESULTS}/logs/{{experiment}}/benchmark.log",
+    conda:
+        "../envs/granstudy.yaml"
     threads: workflow.cores
     params:
         study=STUDY_FILE,
@@ -39,8 +41,6 @@ rule benchmark:
             run_fingerprint("collision", method)
             for method in ("direct", "fast", "literal")
         ],
-    conda:
-        "../envs/granstudy.yaml"
     message:
         "benchmark {wildcards.experiment}"
     script:
