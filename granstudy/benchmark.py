@@ -1,13 +1,14 @@
 """Seconds and memory of one evaluation of Q, all methods in one process and taken in turn."""
 
-import multiprocessing
+import pickle
 import resource
 import statistics
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -127,22 +128,22 @@ def peak_memory_mb(scene: Scene, solver: Solver) -> float:
     Beyond what that process held after one evaluation at N = 4: the interpreter, the libraries and the
     compiled loops.
     """
-    context = multiprocessing.get_context("spawn")
-    receiver, sender = context.Pipe(duplex=False)
-    process = context.Process(target=_report_peak, args=(scene, solver, sender))
-    process.start()
-    sender.close()
-    try:
-        return float(receiver.recv())
-    finally:
-        process.join()
+    # A plain command: multiprocessing would import the calling script again.
+    command = [sys.executable, "-c", "from granstudy.benchmark import report_peak; report_peak()"]
+    answer = subprocess.run(
+        command, input=pickle.dumps((scene, solver)), stdout=subprocess.PIPE, check=True
+    )
+    return float(answer.stdout)
 
 
-def _report_peak(scene: Scene, solver: Solver, sender: Any) -> None:
+def report_peak() -> None:
+    """Print `peak_memory_mb` of the scene and solver pickled on standard input."""
+    scene, solver = pickle.load(sys.stdin.buffer)
+
     def evaluate(solver: Solver) -> int:
         operator = collision_operator(scene, solver)
         operator(scene.density(operator.grid))
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
     before = evaluate(replace(solver, N=4))
-    sender.send((evaluate(solver) - before) / 1024)
+    print((evaluate(solver) - before) / 1024)
