@@ -101,7 +101,9 @@ def compare_tables(new: pd.DataFrame, committed: pd.DataFrame) -> dict[str, tupl
 
 def _grade_column(both: pd.DataFrame, column: str) -> tuple[Grade, str]:
     old, new = both[f"{column}_committed"], both[f"{column}_new"]
-    tolerance = TOLERANCES.get(column, DEFAULT)
+    # Beside seconds, the ratio to the printed number is one of seconds.
+    timed = column == "ratio" and "seconds_new" in both.columns
+    tolerance = TOLERANCES.get("seconds" if timed else column, DEFAULT)
     if tolerance.relative is None:
         measured = pd.to_numeric(new, errors="coerce")
         lost = int((measured.isna() & ~pd.to_numeric(old, errors="coerce").isna()).sum())
