@@ -20,7 +20,7 @@ import xarray as xr
 from granstudy import theory
 from granstudy.grid import VelocityGrid
 from granstudy.kernel import sphere_area
-from granstudy.moments import COMPONENTS, LONG_NAMES
+from granstudy.moments import COMPONENTS, DIMENSIONS, LONG_NAMES
 from granstudy.scene import Scene
 from granstudy.solver import Solver
 
@@ -87,10 +87,9 @@ def evolution_dataset(
     """
     time = dt * np.arange(len(history))
     components = list(COMPONENTS[: grid.dim])
-    dims = {"velocity": ("component",), "pressure": ("component", "component_")}
     data: dict[str, Any] = {
         name: (
-            ("time", *dims.get(name, ())),
+            ("time", *DIMENSIONS.get(name, ())),
             np.array([values[name] for values in history]),
             {"long_name": LONG_NAMES[name], "units": "1"},
         )

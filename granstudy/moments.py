@@ -19,6 +19,13 @@ LONG_NAMES = {
 }
 
 
+DIMENSIONS: dict[str, tuple[str, ...]] = {
+    "velocity": ("component",),
+    "pressure": ("component", "component_"),
+}
+"""Dimensions of the moments that are not scalars."""
+
+
 def moments(f: np.ndarray, grid: VelocityGrid) -> xr.Dataset:
     """Moments of a density by the midpoint rule on the grid.
 
@@ -43,10 +50,9 @@ def moments(f: np.ndarray, grid: VelocityGrid) -> xr.Dataset:
         raise ValueError(f"f has shape {np.shape(f)}: the grid's is {grid.shape}")
     values = moment_values(np.real(f), grid)
     components = list(COMPONENTS[: grid.dim])
-    dims = {"velocity": ["component"], "pressure": ["component", "component_"]}
     return xr.Dataset(
         {
-            name: (dims.get(name, []), value, {"long_name": LONG_NAMES[name], "units": "1"})
+            name: (DIMENSIONS.get(name, ()), value, {"long_name": LONG_NAMES[name], "units": "1"})
             for name, value in values.items()
         },
         coords={"component": components, "component_": components},
