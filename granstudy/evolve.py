@@ -1,6 +1,7 @@
 """Time integration of ∂t f = Q(f,f) + ε Δv f (docs/method.md §3)."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,14 +11,11 @@ from tqdm import tqdm
 
 from granstudy import health
 from granstudy.collision import CollisionOperator, collision_operator
-from granstudy.collision.operator import NotFiniteError
+from granstudy.collision.operator import NotFiniteError, SpectrumOperator
 from granstudy.dataset import Status, evolution_dataset
-from granstudy.grid import VelocityGrid
 from granstudy.moments import moment_values
 from granstudy.scene import Scene
 from granstudy.solver import Solver
-
-RightHandSide = Callable[[np.ndarray], np.ndarray]
 
 
 def simulate(
@@ -57,8 +55,8 @@ def simulate(
         raise ValueError(f"save_every={save_every!r}: must be a positive integer or None")
     operator = collision_operator(scene, solver)
     grid = operator.grid
-    rhs = right_hand_side(operator, scene.diffusion)
-    f: np.ndarray = scene.density(grid).astype(operator.dtype)
+    advance = equation(operator, scene.diffusion)
+    state = advance.state(scene.density(grid))
 
     history: list[dict[str, Any]] = []
     snapshots: dict[float, np.ndarray] = {}
@@ -68,8 +66,9 @@ def simulate(
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         for step in tqdm(range(steps + 1), disable=None if progress is None else not progress):
             try:
-                f = rk3_step(rhs, f, dt) if step > 0 else f
-                values = moment_values(f.real, grid)
+                state = rk3_step(advance.rate, state, dt) if step > 0 else state
+                f = advance.density(state)
+                values = moment_values(f, grid)
                 failed = health.failure(values)
             except NotFiniteError:
                 failed = health.NOT_FINITE
@@ -80,9 +79,9 @@ def simulate(
             history.append(values)
             last = step == steps
             if save_every is not None and (step % save_every == 0 or last):
-                snapshots[step * dt] = f.real.copy()
+                snapshots[step * dt] = f.copy()
             density0 = history[0]["density"]
-            for name, text in health.warnings(f.real, values, density0, grid).items():
+            for name, text in health.warnings(f, values, density0, grid).items():
                 found.setdefault(name, f"from t = {step * dt:g}: {text}")
     return evolution_dataset(
         scene, solver, grid, dt, history, snapshots, status, reason, list(found.values())
@@ -102,24 +101,41 @@ def step_count(t_final: float, dt: float) -> int:
     return steps
 
 
-def right_hand_side(operator: CollisionOperator, diffusion: float) -> RightHandSide:
-    """Q(f,f) + ε Δv f; the diffusion is exact in Fourier space and costs nothing at ε = 0."""
-    if diffusion == 0.0:
-        return operator
-    laplacian = laplace_operator(operator.grid, operator.dtype)
-    return lambda f: operator(f) + diffusion * laplacian(f)
+@dataclass(frozen=True)
+class Equation:
+    """∂t f = Q(f,f) + ε Δv f for what a method advances: its ``rate``, the way from f and back."""
+
+    rate: Callable[[np.ndarray], np.ndarray]
+    state: Callable[[np.ndarray], np.ndarray]
+    density: Callable[[np.ndarray], np.ndarray]
 
 
-def laplace_operator(grid: VelocityGrid, dtype: type) -> RightHandSide:
-    """Δv by the multiplier −(π|k|/L)² (docs/method.md §3)."""
-    real = dtype is np.float64
-    multiplier = -((np.pi / grid.L) ** 2) * grid.wavenumber_squared(half=real)
-    if real:
-        return lambda f: scipy.fft.irfftn(multiplier * scipy.fft.rfftn(f), s=grid.shape)
-    return lambda f: scipy.fft.ifftn(multiplier * scipy.fft.fftn(f))
+def equation(operator: CollisionOperator, diffusion: float) -> Equation:
+    """Advance f, or f̂ where the operator says so; the diffusion costs nothing at ε = 0.
+
+    It is exact in Fourier space, Δv by the multiplier −(π|k|/L)² (docs/method.md §3).
+    """
+    grid = operator.grid
+    real = not isinstance(operator, SpectrumOperator)
+    multiplier = -diffusion * (np.pi / grid.L) ** 2 * grid.wavenumber_squared(half=real)
+    if isinstance(operator, SpectrumOperator):
+        spectrum = operator.spectrum
+        return Equation(
+            rate=(lambda f_hat: spectrum(f_hat) + multiplier * f_hat) if diffusion else spectrum,
+            state=lambda f: scipy.fft.fftn(f, norm="forward"),
+            density=lambda f_hat: scipy.fft.ifftn(f_hat, norm="forward").real,
+        )
+
+    def heated(f: np.ndarray) -> np.ndarray:
+        return operator(f) + scipy.fft.irfftn(multiplier * scipy.fft.rfftn(f), s=grid.shape)
+
+    def same(f: np.ndarray) -> np.ndarray:
+        return f
+
+    return Equation(rate=heated if diffusion else operator, state=same, density=same)
 
 
-def rk3_step(rhs: RightHandSide, f: np.ndarray, dt: float) -> np.ndarray:
+def rk3_step(rhs: Callable[[np.ndarray], np.ndarray], f: np.ndarray, dt: float) -> np.ndarray:
     """One step of Kutta's third-order scheme (paper eq. 48)."""
     k1 = rhs(f)
     k2 = rhs(f + dt / 2 * k1)

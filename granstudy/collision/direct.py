@@ -34,7 +34,6 @@ RowWeights = Callable[[float], tuple[np.ndarray, np.ndarray]]
 class DirectOperator:
     """Q(f,f) by summing over all pairs of modes."""
 
-    dtype = np.float64
     transforms = 2
 
     def transform(self) -> None:

@@ -36,9 +36,6 @@ BATCH_BYTES = 2**17
 
 class FastOperator:
     """Q(f,f) for real f at two real transforms an antipodal pair of nodes."""
-
-    dtype = np.float64
-
     def __init__(self, scene: Scene, solver: Solver) -> None:
         self.grid = grid = solver.grid(scene.dim)
         radial = radial_nodes(scene, solver)

@@ -5,8 +5,6 @@ products of stored one-dimensional vectors, vectorised NumPy, threads over nodes
 pairing or fusion.
 """
 
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 import pyfftw
 
@@ -14,6 +12,7 @@ from granstudy.collision.operator import check_state
 from granstudy.collision.rules import directions, radial_nodes
 from granstudy.collision.variable_restitution import mean_gain
 from granstudy.collision.weights import alpha, loss_weight, radial_measure, sphere_mean
+from granstudy.collision.workers import SHARES, Workers
 from granstudy.grid import VelocityGrid
 from granstudy.scene import Scene
 from granstudy.solver import Solver
@@ -25,10 +24,8 @@ BATCH = 2**15
 class LiteralOperator:
     """Q̂_k = Σ_{ρ,ĝ} w_ρ w_ĝ ρ^{d−1} F(k,ρ,ĝ) FFT[f · IFFT(e^{−iπρ m·ĝ/L} f̂_m)]_k (paper eqs. 43, 46).
 
-    The state is complex, as the paper advances f̂ and never projects it on real densities.
+    As the paper does, a run advances f̂ itself and never projects it on real densities.
     """
-
-    dtype = np.complex128
 
     def __init__(self, scene: Scene, solver: Solver) -> None:
         self.grid = grid = solver.grid(scene.dim)
@@ -63,24 +60,27 @@ class LiteralOperator:
 
         batch = max(1, BATCH // grid.N**grid.dim)
         batches = [slice(i, i + batch) for i in range(0, len(g), batch)]
-        self.shares = [batches[t :: solver.thread_count] for t in range(solver.thread_count)]
-        self.workspaces = [_Workspace(batch, grid.shape) for _ in self.shares]
-        self.pool = ThreadPoolExecutor(len(self.shares))
+        self.shares = [batches[i::SHARES] for i in range(SHARES)]
+        self.workers = Workers(solver.thread_count, lambda: _Workspace(batch, grid.shape))
         self.transforms = 2 * len(g) + (2 if self.full else 3)
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
         """Q(f,f), complex where ``f`` is complex."""
         check_state(f, self.grid)
-        f_hat = np.fft.fftn(f) / f.size
-        parts = self.pool.map(
-            lambda share, work: self._sum_nodes(f, f_hat, share, work),
-            self.shares,
-            self.workspaces,
-        )
-        Q = np.fft.ifftn(sum(parts))
-        if self.loss is not None:
-            Q -= f * np.fft.ifftn(self.loss * f_hat) * f.size
+        Q = np.fft.ifftn(self.spectrum(np.fft.fftn(f) / f.size)) * f.size
         return Q if np.iscomplexobj(f) else Q.real
+
+    def spectrum(self, f_hat: np.ndarray) -> np.ndarray:
+        """Q̂ from f̂, the rate of change of what a run advances."""
+        check_state(f_hat, self.grid)
+        f = np.fft.ifftn(f_hat) * f_hat.size
+        parts = self.workers.map(
+            lambda share, work: self._sum_nodes(f, f_hat, share, work), self.shares
+        )
+        Q_hat = np.sum(list(parts), axis=0) / f.size
+        if self.loss is not None:
+            Q_hat -= np.fft.fftn(f * np.fft.ifftn(self.loss * f_hat))
+        return Q_hat
 
     def transform(self) -> None:
         """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
@@ -92,7 +92,7 @@ class LiteralOperator:
             work.density[...] = 0.0
             work.spectrum[...] = 0.0
 
-        list(self.pool.map(transform_share, self.shares, self.workspaces))
+        list(self.workers.map(transform_share, self.shares))
 
     def _sum_nodes(
         self, f: np.ndarray, f_hat: np.ndarray, share: list[slice], work: "_Workspace"

@@ -1,7 +1,7 @@
 """The protocol of a collision operator, and the choice of one by the solver's method."""
 
 from importlib import import_module
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -25,15 +25,11 @@ class CollisionOperator(Protocol):
     Attributes
     ----------
     grid : VelocityGrid
-    dtype : type
-        Type of the state that the method advances: float64, or complex128 where the method never
-        projects on real densities (`literal`).
     transforms : int
         Fourier transforms on the grid that one call makes.
     """
 
     grid: VelocityGrid
-    dtype: type
     transforms: int
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
@@ -41,6 +37,14 @@ class CollisionOperator(Protocol):
 
     def transform(self) -> None:
         """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
+
+
+@runtime_checkable
+class SpectrumOperator(CollisionOperator, Protocol):
+    """An operator of which a run advances f̂, complex and never projected on real f (`literal`)."""
+
+    def spectrum(self, f_hat: np.ndarray) -> np.ndarray:
+        """Q̂ from f̂ (docs/method.md §2, normalised by N^d), both in FFT order."""
 
 
 def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:

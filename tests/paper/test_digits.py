@@ -37,10 +37,7 @@ def test_tables_1_and_2_to_the_printed_digits(number, e, N, variant):
     ds = gs.simulate(scene, solver, t_final=2.0, dt=0.01, progress=False)
     table = paper_table(number).set_index(["e", "N"])
     printed = table.loc[(e, N), variant]
-    # 1e-14 but for one number of 36: the paper advances f̂, `literal` the complex f, and after 600
-    # evaluations that is 1.5e-14 at Table 1, e = 0.8, N = 32, separate.
-    absolute = 2e-14 if (number, e, N, variant) == (1, 0.8, 32, "separate") else 1e-14
-    assert_printed(float(ds["paper_temperature_error"][-1]), printed, 1e-8, absolute)
+    assert_printed(float(ds["paper_temperature_error"][-1]), printed, 1e-8, 1e-14)
 
 
 DESIGNS = os.environ.get("GRANSTUDY_PAPER_DESIGNS")
