@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from granstudy.dataset import TEMPORARY_PREFIX, Status
+from granstudy.dataset import Status
 from granstudy.errors import unknown_name
 
 NOT_SWEPT = ("N_theta", "N_phi", "time")
@@ -121,7 +121,8 @@ def run_files(where: Where) -> list[str]:
             str(path)
             for path in Path(where).rglob("*.nc")
             if "reference" not in path.relative_to(where).parts
-            and not path.name.startswith(TEMPORARY_PREFIX)
+            # neither half-written files nor those of unfinished jobs
+            and not any(part.startswith(".") for part in path.relative_to(where).parts)
         )
     else:
         files = sorted(glob.glob(str(where), recursive=True))

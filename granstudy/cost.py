@@ -27,11 +27,6 @@ class Cost:
     seconds: float
     memory_mb: int
 
-    @property
-    def minutes(self) -> int:
-        """Minutes to ask a cluster for: five times the estimate and time to start."""
-        return 5 + math.ceil(5 * self.seconds / 60)
-
 
 def estimate(scene: Scene, solver: Solver, evaluations: int) -> Cost:
     """Cost of so many evaluations of Q."""

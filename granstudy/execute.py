@@ -1,36 +1,77 @@
-"""Execute one run of a study and write its dataset."""
+"""Execute runs of a study and write their datasets."""
 
+import shutil
 import time
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import xarray as xr
 
 from granstudy.collision import collision_operator
-from granstudy.dataset import collision_dataset, write_dataset
+from granstudy.dataset import collision_dataset, read_dataset, write_dataset, write_whole
 from granstudy.evolve import simulate
 from granstudy.study import Run
 
 
-def execute(run: Run, path: str | Path, threads: int) -> xr.Dataset:
-    """Run an ``evolution`` or a ``collision`` point with so many threads; write it to ``path``.
+def execute(run: Run, threads: int) -> xr.Dataset:
+    """Run an ``evolution`` or a ``collision`` point with so many threads.
 
-    A run that ends early is written too, with its status: nothing computed is lost.
+    A run that ends early is a dataset too, with its status: nothing computed is lost.
     """
     solver = replace(run.solver, threads=threads)
-    start = time.perf_counter()
     if run.model.time is not None:
         assert run.dt is not None
-        ds = simulate(
+        return simulate(
             run.scene,
             solver,
             t_final=run.model.time.t_final,
             dt=run.dt,
             save_every=run.model.time.save_every,
         )
-    else:
-        operator = collision_operator(run.scene, solver)
-        Q = operator(run.scene.density(operator.grid))
-        ds = collision_dataset(run.scene, solver, operator.grid, Q)
-    write_dataset(ds, path, duration=time.perf_counter() - start)
-    return ds
+    operator = collision_operator(run.scene, solver)
+    Q = operator(run.scene.density(operator.grid))
+    return collision_dataset(run.scene, solver, operator.grid, Q)
+
+
+def execute_job(
+    runs: Sequence[Run],
+    keys: Sequence[str],
+    paths: Sequence[str | Path],
+    threads: int,
+    unfinished: str | Path,
+) -> None:
+    """Execute the runs of a job one after the other and write each dataset to its path.
+
+    A path that already holds the dataset of its key is left alone. Until all are done, a copy of each
+    lies in the folder ``unfinished``, as Snakemake deletes the outputs of a job that fails: the next
+    attempt goes on where this one stopped.
+
+    Parameters
+    ----------
+    keys : sequence of str
+        `granstudy.jobs.run_key` of every run, stored as the dataset's attribute.
+    """
+    copies = [Path(unfinished) / f"{key}.nc" for key in keys]
+    for run, key, path, copy in zip(runs, keys, map(Path, paths), copies, strict=True):
+        if _holds(path, key):
+            continue
+        if _holds(copy, key):
+            write_whole(path, partial(shutil.copyfile, copy))
+            continue
+        start = time.perf_counter()
+        ds = execute(run, threads).assign_attrs(run_key=key)
+        write_dataset(ds, path, duration=time.perf_counter() - start)
+        if len(runs) > 1:
+            write_whole(copy, partial(shutil.copyfile, path))
+    for copy in copies:
+        copy.unlink(missing_ok=True)
+
+
+def _holds(path: Path, key: str) -> bool:
+    """Whether ``path`` is the whole, undamaged dataset of that key."""
+    try:
+        return bool(read_dataset(path).attrs.get("run_key") == key)
+    except (OSError, ValueError):
+        return False

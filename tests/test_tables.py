@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import granstudy as gs
-from granstudy.execute import execute
+from granstudy.execute import execute_job
 from granstudy.figures import draw, save_figure
+from granstudy.jobs import run_key
 from granstudy.study import load_study
 from granstudy.tables import experiment_table, write_table
 
@@ -55,8 +56,8 @@ def tables(tmp_path_factory):
     made = {}
     for name, runs in study.runs.items():
         files = [str(folder / "runs" / name / f"{path}.nc") for path in runs]
-        for run, file in zip(runs.values(), files, strict=True):
-            execute(run, file, threads=1)
+        keys = [run_key(run) for run in runs.values()]
+        execute_job(list(runs.values()), keys, files, 1, folder / "unfinished")
         experiment = study.model.experiments[name]
         made[name] = (experiment_table(experiment, runs, files), files, experiment)
     return folder, made

@@ -36,6 +36,7 @@ BATCH_BYTES = 2**17
 
 class FastOperator:
     """Q(f,f) for real f at two real transforms an antipodal pair of nodes."""
+
     def __init__(self, scene: Scene, solver: Solver) -> None:
         self.grid = grid = solver.grid(scene.dim)
         radial = radial_nodes(scene, solver)

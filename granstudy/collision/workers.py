@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextvars import copy_context
 from queue import SimpleQueue
 from typing import Generic, TypeVar
 
@@ -36,4 +37,6 @@ class Workers(Generic[Workspace]):
             finally:
                 self._workspaces.put(workspace)
 
-        return self._pool.map(borrow, shares)
+        # Each in a copy of the caller's context, which says what NumPy does about overflow.
+        contexts = [copy_context() for _ in shares]
+        return self._pool.map(lambda context, share: context.run(borrow, share), contexts, shares)

@@ -5,6 +5,7 @@ from pathlib import Path
 from snakemake.exceptions import WorkflowError
 
 from granstudy.fingerprint import fingerprint, run_fingerprint
+from granstudy.jobs import jobs
 from granstudy.study import load_study
 
 STUDY_FILE = config.get("study", "workflow/config/paper.yaml")
@@ -18,17 +19,16 @@ RESULTS = f"{config.get('results', 'results')}/{STUDY.name}"
 RUNS = f"{RESULTS}/runs"
 
 
+JOBS = [
+    job
+    for name, runs in STUDY.runs.items()
+    if STUDY.model.experiments[name].run != "benchmark"
+    for job in jobs(list(runs.values()))
+]
+
+
 wildcard_constraints:
     experiment="[^/]+",
-    point=".+",
-
-
-def study_run(wildcards):
-    """The study's run behind a path; an error where the study has none."""
-    try:
-        return STUDY.run(wildcards.experiment, wildcards.point)
-    except ValueError as error:
-        raise WorkflowError(str(error)) from None
 
 
 def run_files(experiment):

@@ -1,26 +1,31 @@
-# One NetCDF file a run. The fingerprint of the solver's code is a parameter: Snakemake does not see
-# edits in an imported package.
-rule run:
-    output:
-        f"{RUNS}/{{experiment}}/{{point}}.nc",
-    log:
-        f"{RESULTS}/logs/{{experiment}}/{{point}}.log",
-    conda:
-        "../envs/granstudy.yaml"
-    threads: lambda wildcards: study_run(wildcards).model.threads
-    resources:
-        mem_mb=lambda wildcards: study_run(wildcards).cost.memory_mb,
-        runtime=lambda wildcards: study_run(wildcards).cost.minutes,
-    params:
-        study=STUDY_FILE,
-        parameters=lambda wildcards: study_run(wildcards).parameters(),
-        code=lambda wildcards: run_fingerprint(
-            study_run(wildcards).model.run, study_run(wildcards).solver.method
-        ),
-    message:
-        "{wildcards.experiment} {wildcards.point}"
-    script:
-        "../scripts/run.py"
+# One NetCDF file a run; cheap runs share a job. The keys hash the solver's code with the run's
+# parameters: Snakemake does not see edits in an imported package. The longest jobs start first.
+for job in JOBS:
+
+    rule:
+        name:
+            f"run_{job.experiment}_{job.number}"
+        output:
+            [update(f"{RUNS}/{job.experiment}/{run.path}.nc") for run in job.runs],
+        log:
+            f"{RESULTS}/logs/{job.experiment}/{job.number}.log",
+        priority: int(job.seconds)
+        conda:
+            "../envs/granstudy.yaml"
+        threads: job.threads
+        resources:
+            mem_mb=job.memory_mb,
+            runtime=job.minutes,
+        params:
+            study=STUDY_FILE,
+            experiment=job.experiment,
+            points=[run.path for run in job.runs],
+            run_keys=job.keys,
+            unfinished=f"{RUNS}/.unfinished",
+        message:
+            f"{job.experiment}: {len(job.runs)} runs from {job.runs[0].path}"
+        script:
+            "../scripts/run.py"
 
 
 # Alone on the machine: it takes all cores, so that nothing else disturbs its timings.

@@ -1,7 +1,11 @@
-from granstudy.execute import execute
+from granstudy.execute import execute_job
 from granstudy.study import load_study
 
-run = load_study(snakemake.params.study).run(
-    snakemake.wildcards.experiment, snakemake.wildcards.point
+study = load_study(snakemake.params.study)
+execute_job(
+    [study.run(snakemake.params.experiment, point) for point in snakemake.params.points],
+    snakemake.params.run_keys,
+    snakemake.output,
+    snakemake.threads,
+    snakemake.params.unfinished,
 )
-execute(run, snakemake.output[0], threads=snakemake.threads)
