@@ -11,6 +11,7 @@ import xarray as xr
 
 from granstudy.dataset import Status
 from granstudy.errors import unknown_name
+from granstudy.whole_file import TEMPORARY_PREFIX
 
 NOT_SWEPT = ("N_theta", "N_phi", "time")
 """Coordinates of a run that follow from others."""
@@ -52,7 +53,7 @@ def open_runs(where: Where) -> xr.Dataset:
             f"dt: the runs have steps {np.unique(runs['dt']).tolist()} and so no common times; "
             "open one dt at a time, or take final_values"
         )
-    if "vx" in runs.dims and any(np.unique(runs[key]).size > 1 for key in ("N", "R")):
+    if {"vx", "r"} & set(runs.dims) and any(np.unique(runs[key]).size > 1 for key in ("N", "R")):
         grids = sorted(set(zip(runs["N"].values.tolist(), runs["R"].values.tolist(), strict=True)))
         raise ValueError(f"N, R: the runs have velocity grids {grids}; open one grid at a time")
     return runs
@@ -159,7 +160,7 @@ def _labelled(ds: xr.Dataset) -> xr.Dataset:
 
 
 def _at_last_time(ds: xr.Dataset) -> xr.Dataset:
-    ds = ds.drop_dims([dim for dim in ("snapshot", "vx", "vy", "vz") if dim in ds.dims])
+    ds = ds.drop_dims([dim for dim in ("snapshot", "vx", "vy", "vz", "r") if dim in ds.dims])
     if "time" not in ds.dims:
         return ds
     if ds.sizes["time"] == 0:  # diverged before its first moments

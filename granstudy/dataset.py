@@ -2,10 +2,8 @@
 
 import hashlib
 import json
-import os
 import platform
 import subprocess
-import tempfile
 from collections.abc import Hashable
 from datetime import UTC, datetime
 from enum import IntEnum
@@ -18,15 +16,15 @@ import numpy as np
 import xarray as xr
 
 from granstudy import theory
-from granstudy.grid import VelocityGrid
 from granstudy.kernel import sphere_area
 from granstudy.moments import COMPONENTS, DIMENSIONS, LONG_NAMES
 from granstudy.scene import Scene
 from granstudy.solver import Solver
+from granstudy.velocity_space import VelocitySpace
+from granstudy.whole_file import write_whole
 
 CONVENTIONS = "CF-1.11"
 LIBRARIES = ("granstudy", "numpy", "scipy", "pyfftw", "numba", "xarray")
-TEMPORARY_PREFIX = ".partial-"
 
 
 class Status(IntEnum):
@@ -70,7 +68,7 @@ def run_coordinates(scene: Scene, solver: Solver, dt: float | None = None) -> di
 def evolution_dataset(
     scene: Scene,
     solver: Solver,
-    grid: VelocityGrid,
+    grid: VelocitySpace,
     dt: float,
     history: list[dict[str, Any]],
     snapshots: dict[float, np.ndarray],
@@ -119,33 +117,24 @@ def evolution_dataset(
             long_name = f"|{name} − {name}_exact|"
             ds[f"{name}_error"] = ("time", error, {"long_name": long_name, "units": "1"})
     if snapshots:
-        axes = [f"v{c}" for c in components]
         attributes = {"long_name": "velocity density f", "units": "1"}
         f = np.array(list(snapshots.values()))
-        ds["f"] = (("snapshot", *axes), f, attributes)
-        ds = ds.assign_coords(_velocity_axes(grid))
+        ds["f"] = (("snapshot", *grid.axes), f, attributes)
+        ds = ds.assign_coords(grid.coordinates())
         times = list(snapshots)
         ds = ds.assign_coords(snapshot=("snapshot", times, {"long_name": "time t", "units": "1"}))
     return _finish(ds, scene, solver, dt, status, reason, warnings, "evolution")
 
 
 def collision_dataset(
-    scene: Scene, solver: Solver, grid: VelocityGrid, Q: np.ndarray
+    scene: Scene, solver: Solver, grid: VelocitySpace, Q: np.ndarray
 ) -> xr.Dataset:
     """Dataset of one evaluation Q(f0,f0) on the initial density, shape ``grid.shape``."""
-    axes = [f"v{c}" for c in COMPONENTS[: grid.dim]]
     attributes = {"long_name": "collision operator Q(f0,f0)", "units": "1"}
-    ds = xr.Dataset({"Q": (axes, Q, attributes)}, coords=_velocity_axes(grid))
+    ds = xr.Dataset({"Q": (grid.axes, Q, attributes)}, coords=grid.coordinates())
     finite = bool(np.all(np.isfinite(Q)))
     status, reason = (Status.OK, "") if finite else (Status.DIVERGED, "Q is not finite")
     return _finish(ds, scene, solver, None, status, reason, [], "collision")
-
-
-def _velocity_axes(grid: VelocityGrid) -> dict[str, Any]:
-    return {
-        f"v{c}": (f"v{c}", grid.nodes, {"long_name": f"velocity {c}", "units": "1"})
-        for c in COMPONENTS[: grid.dim]
-    }
 
 
 def _finish(
@@ -242,27 +231,6 @@ def _write_sidecar(path: Path, duration: float | None) -> None:
         "duration_seconds": duration,
     }
     write_whole(path, lambda partial: partial.write_text(json.dumps(content, indent=1) + "\n"))
-
-
-def write_whole(path: Path, write: Any) -> None:
-    """Call ``write`` on a temporary file beside ``path``, synchronise it and rename it to ``path``."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(prefix=TEMPORARY_PREFIX, suffix=path.suffix, dir=path.parent)
-    os.close(handle)
-    partial = Path(name)
-    try:
-        write(partial)
-        with open(partial, "rb") as file:
-            os.fsync(file.fileno())
-        partial.chmod(0o644)
-        os.replace(partial, path)
-        folder = os.open(path.parent, os.O_RDONLY)
-        try:
-            os.fsync(folder)
-        finally:
-            os.close(folder)
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def read_dataset(path: str | Path) -> xr.Dataset:

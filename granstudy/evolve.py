@@ -113,21 +113,21 @@ class Equation:
 def equation(operator: CollisionOperator, diffusion: float) -> Equation:
     """Advance f, or f̂ where the operator says so; the diffusion costs nothing at ε = 0.
 
-    It is exact in Fourier space, Δv by the multiplier −(π|k|/L)² (docs/method.md §3).
+    It is exact in the space of the method's modes, for f̂ by the multiplier −(π|k|/L)² (docs/method.md §3).
     """
-    grid = operator.grid
-    real = not isinstance(operator, SpectrumOperator)
-    multiplier = -diffusion * (np.pi / grid.L) ** 2 * grid.wavenumber_squared(half=real)
     if isinstance(operator, SpectrumOperator):
-        spectrum = operator.spectrum
+        grid, spectrum = operator.grid, operator.spectrum
+        multiplier = -diffusion * (np.pi / grid.L) ** 2 * grid.wavenumber_squared()
         return Equation(
             rate=(lambda f_hat: spectrum(f_hat) + multiplier * f_hat) if diffusion else spectrum,
             state=lambda f: scipy.fft.fftn(f, norm="forward"),
             density=lambda f_hat: scipy.fft.ifftn(f_hat, norm="forward").real,
         )
 
+    laplacian = operator.grid.laplacian
+
     def heated(f: np.ndarray) -> np.ndarray:
-        return operator(f) + scipy.fft.irfftn(multiplier * scipy.fft.rfftn(f), s=grid.shape)
+        return operator(f) + diffusion * laplacian(f)
 
     def same(f: np.ndarray) -> np.ndarray:
         return f

@@ -2,8 +2,12 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+import scipy.fft
+
+from granstudy.velocity_space import VelocityMoments
 
 BOX_RATIO = (3.0 + np.sqrt(2.0)) / 4.0
 """L / R: the smallest box in which the truncated collisions of a ball of radius R/2 do not overlap."""
@@ -33,14 +37,9 @@ class VelocityGrid:
     R: float
 
     def __post_init__(self) -> None:
-        if self.dim not in (2, 3):
-            raise ValueError(f"dim={self.dim!r}: allowed are 2 and 3")
-        if isinstance(self.N, bool) or not isinstance(self.N, (int, np.integer)):
-            raise ValueError(f"N={self.N!r}: must be an even integer of at least 4")
-        if self.N < 4 or self.N % 2:
-            raise ValueError(f"N={self.N}: must be an even integer of at least 4")
-        if not (np.isfinite(self.R) and self.R > 0):
-            raise ValueError(f"R={self.R!r}: must be a positive number")
+        check_dim(self.dim)
+        check_point_count(self.N)
+        check_radius(self.R)
 
     @property
     def L(self) -> float:
@@ -62,6 +61,11 @@ class VelocityGrid:
         """Shape (N,)*dim of a density on this grid."""
         return (self.N,) * self.dim
 
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Names of a density's axes: vx, vy[, vz]."""
+        return ("vx", "vy", "vz")[: self.dim]
+
     @cached_property
     def nodes(self) -> np.ndarray:
         """The N nodes of one dimension."""
@@ -81,3 +85,60 @@ class VelocityGrid:
         k = self.wavenumbers
         axes = [k] * (self.dim - 1) + [k[: self.N // 2 + 1] if half else k]
         return sum(np.square(m) for m in np.meshgrid(*axes, indexing="ij", sparse=True))
+
+    def coordinates(self) -> dict[str, Any]:
+        """The nodes of every axis, labelled."""
+        return {
+            axis: (axis, self.nodes, {"long_name": f"velocity {axis[1]}", "units": "1"})
+            for axis in self.axes
+        }
+
+    def velocity_moments(self, f: np.ndarray) -> VelocityMoments:
+        """Moments of a density by the midpoint rule (paper eqs. 19 to 21)."""
+        v = self.velocities()
+        density = f.sum() * self.cell
+        momentum = np.array([(vi * f).sum() for vi in v]) * self.cell
+        c = [vi - ui for vi, ui in zip(v, momentum / density, strict=True)]
+        return VelocityMoments(
+            density=density,
+            momentum=momentum,
+            energy=0.5 * sum((vi**2 * f).sum() for vi in v) * self.cell,
+            pressure=np.array([[(ci * cj * f).sum() for cj in c] for ci in c]) * self.cell,
+            fourth=(sum(ci**2 for ci in c) ** 2 * f).sum() * self.cell,
+        )
+
+    def edge(self, f: np.ndarray) -> float:
+        """Largest |f| on the box's faces."""
+        return max(float(np.max(np.abs(np.take(f, [0, -1], axis=i)))) for i in range(self.dim))
+
+    def laplacian(self, f: np.ndarray) -> np.ndarray:
+        """Δv f of a real density by the multiplier −(π|k|/L)² (docs/method.md §3)."""
+        return scipy.fft.irfftn(self._laplacian * scipy.fft.rfftn(f), s=self.shape)
+
+    @cached_property
+    def _laplacian(self) -> np.ndarray:
+        return -((np.pi / self.L) ** 2) * self.wavenumber_squared(half=True)
+
+
+def check_dim(dim: int) -> None:
+    """Raise ValueError unless ``dim`` is a velocity dimension."""
+    if dim not in (2, 3):
+        raise ValueError(f"dim={dim!r}: allowed are 2 and 3")
+
+
+def check_point_count(N: int) -> None:
+    """Raise ValueError unless ``N`` can be the number of points in a dimension."""
+    if isinstance(N, bool) or not isinstance(N, (int, np.integer)) or N < 4 or N % 2:
+        raise ValueError(f"N={N!r}: must be an even integer of at least 4")
+
+
+def check_node_count(N: int) -> None:
+    """Raise ValueError unless ``N`` can be the number of radial nodes."""
+    if isinstance(N, bool) or not isinstance(N, (int, np.integer)) or N < 4:
+        raise ValueError(f"N={N!r}: must be an integer of at least 4, the number of radial nodes")
+
+
+def check_radius(R: float) -> None:
+    """Raise ValueError unless ``R`` can be the truncation radius."""
+    if not (np.isfinite(R) and R > 0):
+        raise ValueError(f"R={R!r}: must be a positive number")

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from granstudy.grid import VelocityGrid
+from granstudy.velocity_space import VelocitySpace
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class HealthLimits:
     negative : float
         −min f / max f. Spectral ringing of a resolved density stays under 1e-4.
     edge : float
-        Largest |f| on the box's faces over max f: what lies there wraps around.
+        Largest |f| at the grid's border over max f: what lies there wraps around.
     width : float
         Thermal speed √T in grid spacings; a Gaussian narrower than 1.25 spacings has more than 1e-3
         of its spectrum beyond the last wavenumber.
@@ -47,7 +47,7 @@ def failure(values: dict[str, Any]) -> str | None:
 
 
 def warnings(
-    f: np.ndarray, values: dict[str, Any], density0: float, grid: VelocityGrid
+    f: np.ndarray, values: dict[str, Any], density0: float, grid: VelocitySpace
 ) -> dict[str, str]:
     """Warnings by name for one state, with the measured number and the remedy."""
     found = {}
@@ -62,7 +62,7 @@ def warnings(
             f"the density falls to {values['minimum']:.2g} (largest value {largest:.2g}): "
             "take a larger N"
         )
-    edge = max(np.max(np.abs(np.take(f, [0, -1], axis=axis))) for axis in range(grid.dim))
+    edge = grid.edge(f)
     if edge > LIMITS.edge * largest:
         found["edge"] = (
             f"the density at the box's faces is {edge / largest:.2g} of its largest: "

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from granstudy.grid import VelocityGrid
+from granstudy.velocity_space import VelocitySpace
 
 COMPONENTS = ("x", "y", "z")
 
@@ -26,14 +26,14 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
 """Dimensions of the moments that are not scalars."""
 
 
-def moments(f: np.ndarray, grid: VelocityGrid) -> xr.Dataset:
-    """Moments of a density by the midpoint rule on the grid.
+def moments(f: np.ndarray, grid: VelocitySpace) -> xr.Dataset:
+    """Moments of a density by the grid's quadrature.
 
     Parameters
     ----------
     f : ndarray, shape grid.shape
         Density; of a complex array (the `literal` method's state) the real part counts.
-    grid : VelocityGrid
+    grid : VelocityGrid or RadialGrid
 
     Returns
     -------
@@ -59,26 +59,18 @@ def moments(f: np.ndarray, grid: VelocityGrid) -> xr.Dataset:
     )
 
 
-def moment_values(f: np.ndarray, grid: VelocityGrid) -> dict[str, np.ndarray]:
+def moment_values(f: np.ndarray, grid: VelocitySpace) -> dict[str, np.ndarray]:
     """The moments as plain arrays, for use at every step (paper eqs. 19 to 21)."""
     d = grid.dim
-    v = grid.velocities()
-    density = f.sum() * grid.cell
-    momentum = np.array([(vi * f).sum() for vi in v]) * grid.cell
-    energy = 0.5 * sum((vi**2 * f).sum() for vi in v) * grid.cell
-    velocity = momentum / density
-    c = [vi - ui for vi, ui in zip(v, velocity, strict=True)]
-    pressure = np.array([[(ci * cj * f).sum() for cj in c] for ci in c]) * grid.cell
-    c2 = sum(ci**2 for ci in c)
-    temperature = np.trace(pressure) / (d * density)
-    fourth = (c2**2 * f).sum() * grid.cell / density
+    m = grid.velocity_moments(f)
+    temperature = np.trace(m.pressure) / (d * m.density)
     return {
-        "density": density,
-        "velocity": velocity,
-        "energy": energy,
+        "density": m.density,
+        "velocity": m.momentum / m.density,
+        "energy": m.energy,
         "temperature": temperature,
-        "paper_temperature": 2.0 * energy / d,
-        "pressure": pressure,
-        "a2": fourth / (d * (d + 2) * temperature**2) - 1.0,
+        "paper_temperature": 2.0 * m.energy / d,
+        "pressure": m.pressure,
+        "a2": m.fourth / m.density / (d * (d + 2) * temperature**2) - 1.0,
         "minimum": f.min(),
     }

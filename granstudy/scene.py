@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from granstudy.errors import unknown_name
-from granstudy.grid import VelocityGrid
 from granstudy.initial import (
     Bkw2D,
     Bkw3D,
@@ -19,6 +18,7 @@ from granstudy.initial import (
     Maxwellian,
 )
 from granstudy.kernel import VHS, Restitution, check_restitution, maxwell
+from granstudy.velocity_space import VelocitySpace
 
 INITIAL_DENSITIES: dict[str, Callable[..., InitialDensity]] = {
     "bkw2d": Bkw2D,
@@ -78,7 +78,7 @@ class Scene:
         if own_dim != self.dim:
             raise ValueError(f"initial={self.initial!r}: has dim {own_dim}, the scene {self.dim}")
 
-    def density(self, grid: VelocityGrid) -> np.ndarray:
+    def density(self, grid: VelocitySpace) -> np.ndarray:
         """Initial density on a grid, shape ``grid.shape``.
 
         Raises
@@ -106,7 +106,7 @@ class Scene:
         }
 
 
-def check_density(f: np.ndarray, grid: VelocityGrid) -> np.ndarray:
+def check_density(f: np.ndarray, grid: VelocitySpace) -> np.ndarray:
     """Return ``f`` as float64 or raise ValueError: shape, finiteness and mass on the grid."""
     if np.shape(f) != grid.shape:
         raise ValueError(f"density has shape {np.shape(f)}: the grid's is {grid.shape}")

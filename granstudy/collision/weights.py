@@ -1,15 +1,10 @@
 """Fourier weights of the collision operator (docs/method.md §2)."""
 
 import numpy as np
-from scipy.special import j0
 
 from granstudy.grid import VelocityGrid
 from granstudy.kernel import VHS, sphere_area
-
-
-def sphere_mean(dim: int, x: np.ndarray) -> np.ndarray:
-    """Mean of e^{iσ·x} over the unit sphere as a function of |x|: J0 in 2D, sin|x|/|x| in 3D."""
-    return j0(x) if dim == 2 else np.sinc(x / np.pi)
+from granstudy.sphere import sphere_mean
 
 
 def alpha(restitution: np.ndarray | float) -> np.ndarray | float:

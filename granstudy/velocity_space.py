@@ -1,0 +1,64 @@
+"""What moments, health checks, time integration and datasets need of a grid, whatever its kind."""
+
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+
+class VelocityMoments(NamedTuple):
+    """Integrals over velocity of a density f on a grid (paper eqs. 19 to 21)."""
+
+    density: float
+    """ρ = ∫f dv"""
+    momentum: np.ndarray
+    """∫v f dv, shape (d,)"""
+    energy: float
+    """½∫|v|² f dv"""
+    pressure: np.ndarray
+    """∫(v−u)(v−u) f dv, shape (d, d), u the bulk velocity"""
+    fourth: float
+    """∫|v−u|⁴ f dv"""
+
+
+class VelocitySpace(Protocol):
+    """A grid that densities live on: Cartesian (`VelocityGrid`) or radial (`RadialGrid`).
+
+    Attributes
+    ----------
+    dim : int
+        Velocity dimension d.
+    shape : tuple of int
+        Shape of a density.
+    axes : tuple of str
+        Name of each of its axes: ``vx, vy[, vz]``, or ``r``.
+    L : float
+        Largest velocity component or speed.
+    spacing : float
+        π over the largest wavenumber: features narrower than this are not resolved.
+    """
+
+    @property
+    def dim(self) -> int: ...  # noqa: D102
+    @property
+    def shape(self) -> tuple[int, ...]: ...  # noqa: D102
+    @property
+    def axes(self) -> tuple[str, ...]: ...  # noqa: D102
+    @property
+    def L(self) -> float: ...  # noqa: D102
+    @property
+    def spacing(self) -> float: ...  # noqa: D102
+
+    def velocities(self) -> tuple[np.ndarray, ...]:
+        """Velocity components of the nodes, ``dim`` arrays that broadcast to `shape`."""
+
+    def coordinates(self) -> dict[str, Any]:
+        """Labelled coordinates of a density's axes, as xarray takes them."""
+
+    def velocity_moments(self, f: np.ndarray) -> VelocityMoments:
+        """Moments of a density by the grid's quadrature."""
+
+    def edge(self, f: np.ndarray) -> float:
+        """Largest |f| at the border of the grid: what lies there wraps around."""
+
+    def laplacian(self, f: np.ndarray) -> np.ndarray:
+        """Δv f, exact for what the grid represents."""
