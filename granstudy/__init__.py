@@ -7,12 +7,14 @@ from granstudy.evolve import simulate
 from granstudy.grid import VelocityGrid
 from granstudy.kernel import VHS, Viscoelastic, hard_spheres, maxwell
 from granstudy.moments import moments
+from granstudy.radial_grid import RadialGrid
 from granstudy.scene import Scene, load_scene
 from granstudy.solver import Solver
 
 __all__ = [
     "VHS",
     "CollisionOperator",
+    "RadialGrid",
     "Scene",
     "Solver",
     "VelocityGrid",

@@ -11,7 +11,6 @@ import xarray as xr
 
 from granstudy.dataset import Status
 from granstudy.errors import unknown_name
-from granstudy.whole_file import TEMPORARY_PREFIX
 
 NOT_SWEPT = ("N_theta", "N_phi", "time")
 """Coordinates of a run that follow from others."""

@@ -20,6 +20,7 @@ from granstudy.study import Run
 
 LEAST_ROUNDS = 3
 LEAST_SECONDS = 2.0
+WITHOUT_TRANSFORMS = ("direct", "radial")
 
 
 def benchmark(runs: list[Run], threads: int) -> xr.Dataset:
@@ -34,9 +35,9 @@ def benchmark(runs: list[Run], threads: int) -> xr.Dataset:
     xarray.Dataset
         Over ``run`` with coordinates N, method, threads: `seconds` (median), `speedup` (seconds of
         `literal` at the same N and threads over seconds), `transforms`, `fft_seconds` (the bare
-        FFTW time of those transforms), `overhead` (seconds / fft_seconds; NaN for `direct`, which
-        makes none), `peak_memory_mb` (of one evaluation in a process of its own, beyond what the
-        interpreter with the package and all its libraries takes).
+        FFTW time of those transforms), `overhead` (seconds / fft_seconds; NaN for `direct` and
+        `radial`, which make none), `peak_memory_mb` (of one evaluation in a process of its own,
+        beyond what the interpreter with the package and all its libraries takes).
     """
     rows = []
     for N in sorted({run.solver.N for run in runs}):
@@ -114,7 +115,7 @@ def _time_group(group: list[tuple[Scene, Solver]]) -> list[dict[str, object]]:
             "method": solver.method,
             "threads": solver.threads,
             "seconds": medians[2 * i],
-            "fft_seconds": 0.0 if solver.method == "direct" else medians[2 * i + 1],
+            "fft_seconds": 0.0 if solver.method in WITHOUT_TRANSFORMS else medians[2 * i + 1],
             "transforms": operators[i].transforms,
             "peak_memory_mb": peak_memory_mb(scene, solver),
         }

@@ -10,9 +10,10 @@ from pathlib import Path
 import xarray as xr
 
 from granstudy.collision import collision_operator
-from granstudy.dataset import collision_dataset, read_dataset, write_dataset, write_whole
+from granstudy.dataset import collision_dataset, read_dataset, write_dataset
 from granstudy.evolve import simulate
 from granstudy.study import Run
+from granstudy.whole_file import write_whole
 
 
 def execute(run: Run, threads: int) -> xr.Dataset:

@@ -14,8 +14,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from granstudy.aggregate import open_runs
-from granstudy.dataset import write_whole
 from granstudy.theory import haff_temperature
+from granstudy.whole_file import write_whole
 
 if TYPE_CHECKING:  # a figure does not depend on the solvers that the study module imports
     from granstudy.study import Experiment

@@ -5,7 +5,7 @@ from pathlib import Path
 import nbformat
 from nbclient import NotebookClient
 
-from granstudy.dataset import write_whole
+from granstudy.whole_file import write_whole
 
 LONGEST_CELL_SECONDS = 600
 

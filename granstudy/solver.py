@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from granstudy.errors import unknown_name
-from granstudy.grid import VelocityGrid
+from granstudy.grid import VelocityGrid, check_node_count, check_point_count, check_radius
 
-METHODS = ("literal", "direct", "fast")
+METHODS = ("literal", "direct", "fast", "radial")
 VARIANTS = ("full", "separate")
 RADIAL_RULES = ("legendre", "jacobi")
 
@@ -20,7 +20,8 @@ class Solver:
     Attributes
     ----------
     N : int
-        Grid points in each dimension, even.
+        Grid points in each dimension, even; for `radial` the number of radial nodes, which resolve
+        what a Cartesian grid of 1.7 N points in each dimension does.
     R : float
         Truncation radius of the relative velocity.
     N_rho : int or None
@@ -31,7 +32,8 @@ class Solver:
     variant : str
         ``full``: gain and loss with the same nodes. ``separate``: the loss from its closed form.
     method : str
-        ``literal`` (the paper's recipe), ``direct`` (O(N^{2d}) reference), ``fast``.
+        ``literal`` (the paper's recipe), ``direct`` (O(N^{2d}) reference), ``fast``, ``radial``
+        (isotropic densities and constant e only; N_rho, M_sph, M_cir, variant are not used).
     sphere_rule : str
         ``design``, ``lebedev``, ``product``, ``gauss-theta-phi``, or a text file of unit vectors.
     radial_rule : str
@@ -60,7 +62,8 @@ class Solver:
     threads: int | None = None
 
     def __post_init__(self) -> None:
-        VelocityGrid(2, self.N, self.R)  # checks N and R
+        (check_node_count if self.method == "radial" else check_point_count)(self.N)
+        check_radius(self.R)
         if self.N_rho is None:
             if self.method != "direct":
                 raise ValueError(f"N_rho=None: only method 'direct' allows it, not {self.method!r}")
@@ -80,7 +83,7 @@ class Solver:
                 raise unknown_name(field, getattr(self, field), allowed)
 
     def grid(self, dim: int) -> VelocityGrid:
-        """The velocity grid in ``dim`` dimensions."""
+        """The Cartesian velocity grid in ``dim`` dimensions, of every method but `radial`."""
         return VelocityGrid(dim, self.N, self.R)
 
     @property

@@ -16,6 +16,7 @@ from granstudy.collision.rules import directions
 from granstudy.cost import Cost, estimate
 from granstudy.errors import nearest
 from granstudy.evolve import step_count
+from granstudy.isotropy import check_isotropic
 from granstudy.kernel import VHS, Viscoelastic, check_restitution, sphere_area
 from granstudy.scene import Scene, load_scene
 from granstudy.solver import Solver
@@ -257,7 +258,18 @@ class Run:
     def check(self) -> None:
         """Raise ValueError for anything that would stop the run later."""
         check_restitution(self.scene.restitution, self.solver.R)
-        directions(self.scene, self.solver)
+        radial = self.solver.method == "radial"
+        if radial:
+            check_isotropic(self.scene, self.solver.R)
+        else:
+            directions(self.scene, self.solver)
+        if self.model.reference is not None and not self.is_reference:
+            other = self.reference.solver.method
+            if radial != (other == "radial"):
+                raise ValueError(
+                    f"method {self.solver.method!r}: has other velocity nodes than its reference's "
+                    f"method {other!r}; a collision run and its reference must share them"
+                )
         _ = self.evaluations  # t_final must be a whole number of steps
 
     def parameters(self) -> str:

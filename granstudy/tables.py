@@ -12,11 +12,12 @@ import xarray as xr
 
 from granstudy import theory
 from granstudy.aggregate import final_values, open_runs
-from granstudy.dataset import CONVENTIONS, Status, read_dataset, write_dataset, write_whole
+from granstudy.dataset import CONVENTIONS, Status, read_dataset, write_dataset
 from granstudy.errors import unknown_name
 from granstudy.fits import fit_haff, fit_order
 from granstudy.markdown import markdown_table
 from granstudy.printed import match_printed, printed_quantity
+from granstudy.whole_file import write_whole
 
 if TYPE_CHECKING:  # a table does not depend on the solvers that the study module imports
     from granstudy.study import Experiment, Run

@@ -22,7 +22,7 @@ GOOD_SOLVER = {"N": 8, "R": 7.0}
         ({"M_cir": 2.5}, "M_cir=2.5: must be a positive integer"),
         ({"threads": 0}, "threads=0: must be a positive integer"),
         ({"variant": "seperate"}, "unknown variant 'seperate' .did you mean 'separate'"),
-        ({"method": "quick"}, "unknown method 'quick'.*literal, direct, fast"),
+        ({"method": "quick"}, "unknown method 'quick'.*literal, direct, fast, radial"),
         ({"radial_rule": "simpson"}, "unknown radial_rule 'simpson'"),
     ],
 )

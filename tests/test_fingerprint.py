@@ -7,6 +7,8 @@ import pytest
 from granstudy import fingerprint as module
 from granstudy.fingerprint import fingerprint, run_fingerprint
 
+METHODS = ["literal", "direct", "fast", "radial"]
+
 
 @pytest.fixture
 def package(tmp_path, monkeypatch):
@@ -38,7 +40,7 @@ def all_fingerprints():
     return {
         (kind, method): run_fingerprint(kind, method)
         for kind in ("evolution", "collision")
-        for method in ("literal", "direct", "fast")
+        for method in METHODS
     }
 
 
@@ -67,15 +69,16 @@ def test_comments_and_docstrings_change_nothing(package):
 @pytest.mark.parametrize(
     ("file", "old", "new", "kinds", "methods"),
     [
-        ("moments.py", "0.5 * sum(", "0.25 * sum(", ["evolution"], ["literal", "direct", "fast"]),
-        ("evolve.py", "dt / 6", "dt / 7", ["evolution"], ["literal", "direct", "fast"]),
+        ("moments.py", "2.0 * m.energy", "3.0 * m.energy", ["evolution"], METHODS),
+        ("evolve.py", "dt / 6", "dt / 7", ["evolution"], METHODS),
         (
             "grid.py",
             "np.sqrt(2.0)",
             "np.sqrt(3.0)",
             ["evolution", "collision"],
-            ["literal", "direct", "fast"],
+            METHODS,
         ),
+        ("radial_grid.py", "import ", "import math, ", ["evolution", "collision"], ["radial"]),
         ("collision/fast.py", "import ", "import math, ", ["evolution", "collision"], ["fast"]),
         (
             "collision/literal.py",

@@ -9,11 +9,13 @@ from granstudy.grid import VelocityGrid
 from granstudy.kernel import check_restitution
 from granstudy.scene import Scene
 from granstudy.solver import Solver
+from granstudy.velocity_space import VelocitySpace
 
 OPERATORS = {
     "literal": ("granstudy.collision.literal", "LiteralOperator"),
     "direct": ("granstudy.collision.direct", "DirectOperator"),
     "fast": ("granstudy.collision.fast", "FastOperator"),
+    "radial": ("granstudy.collision.radial", "RadialOperator"),
 }
 """Module and class behind each method; imported only where a method is used, so that a run loads, and
 is fingerprinted by, no other method's code."""
@@ -24,13 +26,15 @@ class CollisionOperator(Protocol):
 
     Attributes
     ----------
-    grid : VelocityGrid
+    grid : VelocityGrid, or RadialGrid of the method `radial`
     transforms : int
         Fourier transforms on the grid that one call makes.
     """
 
-    grid: VelocityGrid
-    transforms: int
+    @property
+    def grid(self) -> VelocitySpace: ...  # noqa: D102
+    @property
+    def transforms(self) -> int: ...  # noqa: D102
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
         """Q(f,f), of the shape and type of ``f``: real for real densities."""
@@ -42,6 +46,9 @@ class CollisionOperator(Protocol):
 @runtime_checkable
 class SpectrumOperator(CollisionOperator, Protocol):
     """An operator of which a run advances f̂, complex and never projected on real f (`literal`)."""
+
+    @property
+    def grid(self) -> VelocityGrid: ...  # noqa: D102
 
     def spectrum(self, f_hat: np.ndarray) -> np.ndarray:
         """Q̂ from f̂ (docs/method.md §2, normalised by N^d), both in FFT order."""
@@ -66,7 +73,7 @@ class NotFiniteError(ValueError):
     """A density holds NaN or infinite values."""
 
 
-def check_state(f: np.ndarray, grid: VelocityGrid) -> None:
+def check_state(f: np.ndarray, grid: VelocitySpace) -> None:
     """Raise ValueError unless ``f`` can be a state on ``grid``: its shape, and finite values."""
     if np.shape(f) != grid.shape:
         raise ValueError(f"density has shape {np.shape(f)}: the grid's is {grid.shape}")
