@@ -9,7 +9,7 @@ from typing import Any
 TEMPORARY_PREFIX = ".partial-"
 
 
-def write_whole(path: Path, write: Callable[[Path], Any]) -> None:
+def write_whole(path: Path, write: Callable[..., Any]) -> None:
     """Call ``write`` on a temporary file beside ``path``, synchronise it and rename it to ``path``."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(prefix=TEMPORARY_PREFIX, suffix=path.suffix, dir=path.parent)

@@ -2,8 +2,17 @@
 
 import dask
 import numpy as np
+import pytest
 
 np.seterr(all="raise", under="ignore")
 
 # netCDF4 under Dask's threads crashed once in some hundred runs; the tests must not.
 dask.config.set(scheduler="synchronous")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def cache(tmp_path_factory):
+    """A cache folder of the tests' own, for the processes they start too."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("GRANSTUDY_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield

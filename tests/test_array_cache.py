@@ -1,0 +1,119 @@
+"""The cache: computed once, whole or not at all, damage noticed, many runs at a time."""
+
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+from granstudy.array_cache import cache_folder, cached_array
+
+ARRAY = np.arange(3000.0).reshape(60, 50)
+
+
+def never():
+    raise AssertionError("computed though it is in the cache")
+
+
+@pytest.fixture
+def folder(monkeypatch, tmp_path):
+    monkeypatch.setenv("GRANSTUDY_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+def files(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_an_array_is_computed_once(folder):
+    assert cached_array("a", lambda: ARRAY) is ARRAY
+    np.testing.assert_array_equal(cached_array("a", never), ARRAY)
+    np.testing.assert_array_equal(cached_array("b", lambda: 2 * ARRAY), 2 * ARRAY)
+    assert files(folder) == ["a.npy.sha256", "b.npy.sha256"]
+
+
+@pytest.mark.parametrize("length", [0, 20, 32, 100, 24000])
+def test_a_file_cut_short_is_computed_anew(folder, length):
+    cached_array("a", lambda: ARRAY)
+    path = folder / "a.npy.sha256"
+    whole = path.read_bytes()
+    assert length < len(whole)
+    path.write_bytes(whole[:length])
+    np.testing.assert_array_equal(cached_array("a", lambda: ARRAY), ARRAY)
+    assert path.read_bytes() == whole
+
+
+@pytest.mark.parametrize("place", [3, 40, 20000])
+def test_a_changed_byte_is_noticed(folder, place):
+    cached_array("a", lambda: ARRAY)
+    path = folder / "a.npy.sha256"
+    content = bytearray(path.read_bytes())
+    content[place] ^= 1
+    path.write_bytes(content)
+    np.testing.assert_array_equal(cached_array("a", lambda: ARRAY), ARRAY)
+    np.testing.assert_array_equal(cached_array("a", never), ARRAY)
+
+
+def test_a_computation_that_fails_leaves_nothing(folder):
+    with pytest.raises(AssertionError):
+        cached_array("a", never)
+    assert not folder.exists()
+
+
+def test_readers_beside_writers_see_whole_files_only(folder):
+    path = folder / "a.npy.sha256"
+
+    def write(_):
+        path.unlink(missing_ok=True)
+        return cached_array("a", ARRAY.copy)
+
+    def read(_):
+        return cached_array("a", ARRAY.copy)
+
+    with ThreadPoolExecutor(4) as pool:
+        tasks = [pool.submit(task, i) for i in range(40) for task in (write, read)]
+        for task in tasks:
+            np.testing.assert_array_equal(task.result(), ARRAY)
+    assert files(folder) == ["a.npy.sha256"]
+
+
+def test_processes_that_compute_the_same_tensor(folder):
+    script = (
+        "import granstudy as gs; "
+        "scene = gs.load_scene('bkw2d', restitution=0.5); "
+        "op = gs.collision_operator(scene, gs.Solver(N=16, R=7.0, method='radial', threads=1)); "
+        "print(op(scene.density(op.grid)).tobytes().hex())"
+    )
+    command = [sys.executable, "-c", script]
+    started = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(2)]
+    answers = [process.communicate()[0] for process in started]
+    assert answers[0] == answers[1] != ""
+    assert [process.returncode for process in started] == [0, 0]
+    assert len(files(folder)) == 1
+
+
+def test_a_folder_that_cannot_be_written_to_is_said(monkeypatch, tmp_path):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("GRANSTUDY_CACHE", str(tmp_path / "file" / "cache"))
+    with pytest.warns(UserWarning, match="cannot keep computed arrays there.*Set GRANSTUDY_CACHE"):
+        assert cached_array("a", lambda: ARRAY) is ARRAY
+
+
+@pytest.mark.parametrize(
+    ("platform", "variable", "inside"),
+    [
+        ("linux", "XDG_CACHE_HOME", "base/granstudy"),
+        ("linux", None, ".cache/granstudy"),
+        ("darwin", None, "Library/Caches/granstudy"),
+        ("win32", "LOCALAPPDATA", "base/granstudy"),
+    ],
+)
+def test_the_platforms_folder(monkeypatch, tmp_path, platform, variable, inside):
+    for name in ("GRANSTUDY_CACHE", "XDG_CACHE_HOME", "LOCALAPPDATA"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setattr(sys, "platform", platform)
+    if variable:
+        monkeypatch.setenv(variable, str(tmp_path / "base"))
+    assert cache_folder() == tmp_path / inside

@@ -1,0 +1,76 @@
+"""The radial method in a study: runs, their cost, and what a study refuses."""
+
+import pytest
+
+import granstudy as gs
+from granstudy.execute import execute
+from granstudy.study import load_study
+
+STUDY = """
+title: cooling
+experiments:
+  cooling:
+    title: cooling
+    run: evolution
+    scene: {name: maxwellian3d, exponent: 1.0, epsilon: 0.0}
+    solver: {method: radial, N: 16, R: 7.0}
+    time: {t_final: 0.5, dt: 0.05, save_every: 10}
+    sweep:
+      - {e: [0.2, 0.8]}
+"""
+
+
+@pytest.fixture
+def load(tmp_path):
+    def load(old="", new=""):
+        assert old in STUDY
+        path = tmp_path / "test.yaml"
+        path.write_text(STUDY.replace(old, new, 1) if old else STUDY)
+        return load_study(path)
+
+    return load
+
+
+def test_runs_are_written_and_opened_together(load, tmp_path):
+    for name, run in load().runs["cooling"].items():
+        gs.write_dataset(execute(run, threads=1), tmp_path / "runs" / f"{name}.nc")
+    runs = gs.unstack_runs(gs.open_runs(tmp_path / "runs"))
+    assert runs["f"].dims == ("e", "snapshot", "r")
+    assert runs["f"].sizes == {"e": 2, "snapshot": 2, "r": 16}
+    T = runs["temperature"].isel(time=-1)
+    assert float(T.sel(e=0.2)) < float(T.sel(e=0.8)) < 1.0
+    final = gs.final_values(tmp_path / "runs")
+    assert "r" not in final.dims and float(abs(final["density_drift"]).max()) < 1e-13
+
+
+def test_the_cost_is_that_of_a_small_run(load):
+    cost = load().run("cooling", "e~0.2").cost
+    assert 0 < cost.seconds < 1 and cost.memory_mb < 500
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("name: maxwellian3d", "name: double_well3d", "e~0.2: initial=DoubleWell3D.*isotropic"),
+        ("1.0, ", "1.0, velocity: [0.5, 0.0, 0.0], ", "e~0.2: initial=Maxwellian.*isotropic"),
+        ("N: 16", "N: 3", "N=3: must be an integer of at least 4, the number of radial nodes"),
+        (
+            "run: evolution\n",
+            "run: collision\n    reference: {method: direct}\n",
+            "time: evolution runs need it",
+        ),
+    ],
+)
+def test_mistakes(load, old, new, message):
+    with pytest.raises(ValueError, match=message):
+        load(old, new)
+
+
+def test_a_collision_run_and_its_reference_share_their_nodes(tmp_path):
+    lines = STUDY.replace("run: evolution", "run: collision").splitlines()
+    lines = [line for line in lines if "time:" not in line]
+    lines.insert(5, "    reference: {method: direct}")
+    path = tmp_path / "test.yaml"
+    path.write_text("\n".join(lines))
+    with pytest.raises(ValueError, match="method 'radial': has other velocity nodes than its ref"):
+        load_study(path)
