@@ -16,14 +16,14 @@ SECONDS_PER_TRANSFORM = {"literal": 1.0e-6, "fast": 1.5e-6}
 SECONDS_PER_PAIR = 6.0e-9
 """Of one pair of modes in the direct method."""
 
-SECONDS_PER_TENSOR_ENTRY = 2.5e-7
-"""Of the radial method's tensor, per N⁴: N³ entries, each an integral over a number of nodes like N."""
+SECONDS_PER_WEIGHT = 1.8e-7
+"""Of one node of the integrals in the radial method's tensor."""
 
-SECONDS_PER_TERM = 2.5e-10
+SECONDS_PER_TERM = 2.0e-10
 """Of one of the N³ terms of the radial method's bilinear form."""
 
-SECONDS_PER_CALL = 1.5e-5
-"""Of one evaluation by the radial method whatever its size, the call itself."""
+SECONDS_PER_CALL = 1.0e-4
+"""Of one evaluation by the radial method whatever its size, with its share of a step's moments and checks."""
 
 INTERPRETER_MB = 300
 """Python with NumPy, SciPy, Numba and xarray loaded."""
@@ -40,9 +40,11 @@ class Cost:
 def estimate(scene: Scene, solver: Solver, evaluations: int) -> Cost:
     """Cost of so many evaluations of Q."""
     if solver.method == "radial":
-        tensor = solver.N**4 * SECONDS_PER_TENSOR_ENTRY  # nothing where it is in the cache
+        # N²/2 pairs of modes, about 24 + N angles, 24 + 4N/3 shells; nothing where it is in the cache.
+        nodes = solver.N**2 / 2 * (24 + solver.N) * (24 + 4 * solver.N / 3)
+        tensor = nodes * SECONDS_PER_WEIGHT
         each = SECONDS_PER_CALL + solver.N**3 * SECONDS_PER_TERM
-        memory = 60 * solver.N**3
+        memory = 20 * solver.N**3
         return Cost(tensor + evaluations * each, INTERPRETER_MB + _megabytes(memory))
     n = solver.N**scene.dim
     if solver.method == "direct":

@@ -9,7 +9,7 @@ SPEEDS = 64
 """Speeds at which an initial density is compared between directions."""
 
 DIRECTIONS = 24
-"""Directions compared; none lies in a plane of symmetry of another's but by chance."""
+"""Directions compared, at angles that no symmetry of a lattice or of the axes relates."""
 
 TOLERANCE = 1e-10
 """Largest difference between directions over the largest value: the round-off of smooth densities."""
