@@ -15,11 +15,11 @@ from functools import partial
 from queue import SimpleQueue
 
 import numpy as np
-import pyfftw
 
 from granstudy.collision import kernels
 from granstudy.collision.operator import check_state
 from granstudy.collision.rules import directions, radial_nodes
+from granstudy.collision.transforms import RealTransforms
 from granstudy.collision.variable_restitution import pair_series
 from granstudy.collision.weights import alpha, loss_weight, radial_measure, sphere_mean
 from granstudy.quadrature import half
@@ -96,7 +96,7 @@ class FastOperator:
         self._ends = np.append(self._shells[1:] != self._shells[:-1], True)
         self._ends[[stop - 1 for _, stop in self._bounds]] = True
         self._gains = np.zeros((len(self._bounds), *self._spectrum_shape), dtype=np.complex128)
-        self._single = _Transforms(1, self._shape)
+        self._single = RealTransforms(1, self._shape)
         self._workspaces: SimpleQueue[_Workspace] = SimpleQueue()
         threads = min(threads, len(self._bounds))
         for _ in range(threads):
@@ -190,41 +190,9 @@ def balanced_signs(points: np.ndarray) -> np.ndarray:
     return signs
 
 
-class _Transforms:
-    """Real transforms of a batch of densities in place, planned once on an aligned buffer.
-
-    In place, a transform of 32³ points stays in a core's cache. Unnormalised.
-    """
-
-    def __init__(self, batch: int, shape: tuple[int, int, int]) -> None:
-        nx, ny, nz = shape
-        self.spectrum = pyfftw.zeros_aligned((batch, nx, ny, nz // 2 + 1), dtype="complex128")
-        self.density = self.spectrum.view("float64")[..., :nz]
-        axes = (1, 2, 3) if ny > 1 else (1, 3)
-        # FFTW_ESTIMATE: the other planners give different bits from process to process, and gain
-        # little.
-        plan = {"axes": axes, "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}
-        self.execute_forward = pyfftw.FFTW(self.density, self.spectrum, **plan).execute
-        self.execute_backward = pyfftw.FFTW(
-            self.spectrum, self.density, direction="FFTW_BACKWARD", **plan
-        ).execute
-
-    def forward(self, density: np.ndarray) -> np.ndarray:
-        """Transform one density; the result is a copy."""
-        self.density[0] = density
-        self.execute_forward()
-        return self.spectrum[0].copy()
-
-    def backward(self, spectrum: np.ndarray) -> np.ndarray:
-        """Transform one spectrum; the result is a copy."""
-        self.spectrum[0] = spectrum
-        self.execute_backward()
-        return self.density[0].copy()
-
-
 class _Workspace:
     """What one thread needs: a batch's transforms and the sum over the shell it is in."""
 
     def __init__(self, batch: int, shape: tuple[int, int, int]) -> None:
-        self.transforms = _Transforms(batch, shape)
+        self.transforms = RealTransforms(batch, shape)
         self.shell_sum = np.zeros_like(self.transforms.spectrum[0])

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from scipy.signal import fftconvolve
 
 import granstudy as gs
-from granstudy.collision import fast
+from granstudy.collision import transforms
 
 CONVERGED = {2: {"M_cir": 64, "N_rho": 24}, 3: {"M_sph": 302, "N_rho": 20}}
 """Nodes with which the quadrature error on `BOXES` is far under the aliasing."""
@@ -172,13 +172,13 @@ class CountingFFTW:
         self._plan.execute()
 
 
-fast_FFTW = fast.pyfftw.FFTW
+fast_FFTW = transforms.pyfftw.FFTW
 
 
 @pytest.mark.parametrize(("dim", "pairs"), [(2, 15), (3, 16)])
 def test_transforms_of_one_evaluation(monkeypatch, dim, pairs):
-    counting = SimpleNamespace(FFTW=CountingFFTW, zeros_aligned=fast.pyfftw.zeros_aligned)
-    monkeypatch.setattr(fast, "pyfftw", counting)
+    counting = SimpleNamespace(FFTW=CountingFFTW, zeros_aligned=transforms.pyfftw.zeros_aligned)
+    monkeypatch.setattr(transforms, "pyfftw", counting)
     # 8 shells: the eight shares take as many nodes each, and no batch is padded
     solver = gs.Solver(N=8, R=5.0, N_rho=8, M_cir=30, M_sph=32)
     operator = gs.collision_operator(asymmetric_scene(dim), solver)
