@@ -8,7 +8,7 @@ from typing import Any
 from granstudy.errors import unknown_name
 from granstudy.grid import VelocityGrid, check_node_count, check_point_count, check_radius
 
-METHODS = ("literal", "direct", "fast", "radial")
+METHODS = ("literal", "direct", "fast", "radial", "carleman")
 VARIANTS = ("full", "separate")
 RADIAL_RULES = ("legendre", "jacobi")
 

@@ -16,6 +16,7 @@ OPERATORS = {
     "direct": ("granstudy.collision.direct", "DirectOperator"),
     "fast": ("granstudy.collision.fast", "FastOperator"),
     "radial": ("granstudy.collision.radial", "RadialOperator"),
+    "carleman": ("granstudy.collision.carleman", "CarlemanOperator"),
 }
 """Module and class behind each method; imported only where a method is used, so that a run loads, and
 is fingerprinted by, no other method's code."""
