@@ -3,14 +3,15 @@
 import math
 from dataclasses import dataclass
 
+from granstudy.collision.carleman_scenes import product_count
 from granstudy.collision.rules import directions
 from granstudy.scene import Scene
 from granstudy.solver import Solver
 
-SECONDS_PER_POINT = {"literal": 8.5e-10, "fast": 2.4e-10}
+SECONDS_PER_POINT = {"literal": 8.5e-10, "fast": 2.4e-10, "carleman": 1.9e-10}
 """Of one transform of n points with the loops around it, per n·log2 n, on one core of a 2021 server."""
 
-SECONDS_PER_TRANSFORM = {"literal": 1.0e-6, "fast": 1.5e-6}
+SECONDS_PER_TRANSFORM = {"literal": 1.0e-6, "fast": 1.5e-6, "carleman": 1.5e-6}
 """Of one transform whatever its size, the calls themselves."""
 
 SECONDS_PER_PAIR = 6.0e-9
@@ -49,16 +50,29 @@ def estimate(scene: Scene, solver: Solver, evaluations: int) -> Cost:
     n = solver.N**scene.dim
     if solver.method == "direct":
         return Cost(evaluations * n**2 * SECONDS_PER_PAIR, INTERPRETER_MB + _megabytes(40 * n))
+    if solver.method == "carleman":
+        return _carleman(scene, solver, evaluations)
     assert solver.N_rho is not None
     nodes = solver.N_rho * len(directions(scene, solver))
     transforms = 2 * nodes if solver.method == "literal" else nodes
-    each = SECONDS_PER_TRANSFORM[solver.method] + SECONDS_PER_POINT[solver.method] * n * math.log2(
-        n
-    )
+    seconds = evaluations * transforms * _seconds_per_transform(solver.method, n)
     memory = 40 * n + (solver.N_rho * n if solver.method == "literal" else 0)
-    return Cost(evaluations * transforms * each, INTERPRETER_MB + _megabytes(memory))
+    return Cost(seconds, INTERPRETER_MB + _megabytes(memory))
 
 
-def _megabytes(numbers: int) -> int:
+def _carleman(scene: Scene, solver: Solver, evaluations: int) -> Cost:
+    """Two transforms a product and pair of directions; a filter each on the ball of modes is stored."""
+    n = solver.N**scene.dim
+    transforms = len(directions(scene, solver)) * product_count(scene, solver.grid(scene.dim))
+    seconds = evaluations * transforms * _seconds_per_transform(solver.method, n)
+    return Cost(seconds, INTERPRETER_MB + _megabytes(40 * n + 0.3 * n * transforms))
+
+
+def _seconds_per_transform(method: str, n: int) -> float:
+    """Seconds of one transform of n points, with its share of the loops around it."""
+    return SECONDS_PER_TRANSFORM[method] + SECONDS_PER_POINT[method] * n * math.log2(n)
+
+
+def _megabytes(numbers: float) -> int:
     """Megabytes of so many double-precision numbers."""
     return math.ceil(numbers * 8 / 2**20)

@@ -23,10 +23,15 @@ if TYPE_CHECKING:  # a figure does not depend on the solvers that the study modu
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Okabe & Ito, "Color Universal Design" (2008): told apart by colour-blind readers."""
 
-METHOD_COLOURS = {"literal": "#8CC9F0", "fast": "#D55E00", "direct": "#0072B2"}
+METHOD_COLOURS = {
+    "literal": "#8CC9F0",
+    "fast": "#D55E00",
+    "carleman": "#009E73",
+    "direct": "#0072B2",
+}
 """A method has the same colour in every figure."""
 
-METHODS_FIRST = {"direct": 0, "literal": 1, "fast": 2}
+METHODS_FIRST = {"direct": 0, "literal": 1, "fast": 2, "carleman": 3}
 """From the slowest to the fastest, as a legend lists them."""
 
 MARKERS = ("o", "s", "^", "D")

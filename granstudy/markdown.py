@@ -101,7 +101,9 @@ def _across(table: xr.Dataset, swept: list[str], across: str) -> tuple[list[str]
     columns = list(dict.fromkeys(_keys(table, [across])))
     if across == "method":
         # The yardstick beside the paper that it reproduces, then what we add.
-        columns = sorted(columns, key=lambda c: ("literal", "fast", "direct").index(c[0]))
+        columns = sorted(
+            columns, key=lambda c: ("literal", "fast", "carleman", "direct").index(c[0])
+        )
     else:
         columns = sorted(columns, key=lambda c: -float(c[0]))
     place = {

@@ -33,7 +33,8 @@ class Solver:
         ``full``: gain and loss with the same nodes. ``separate``: the loss from its closed form.
     method : str
         ``literal`` (the paper's recipe), ``direct`` (O(N^{2d}) reference), ``fast``, ``radial``
-        (isotropic densities and constant e only; N_rho, M_sph, M_cir, variant are not used).
+        (isotropic densities and constant e only; N_rho, M_sph, M_cir, variant are not used),
+        ``carleman`` (elastic and near-elastic scenes; N_rho is not used).
     sphere_rule : str
         ``design``, ``lebedev``, ``product``, ``gauss-theta-phi``, or a text file of unit vectors.
     radial_rule : str

@@ -12,6 +12,7 @@ from urllib.parse import quote
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from granstudy.collision import carleman_scenes
 from granstudy.collision.rules import directions
 from granstudy.cost import Cost, estimate
 from granstudy.errors import nearest
@@ -263,6 +264,8 @@ class Run:
             check_isotropic(self.scene, self.solver.R)
         else:
             directions(self.scene, self.solver)
+        if self.solver.method == "carleman":
+            carleman_scenes.check_scene(self.scene)
         if self.model.reference is not None and not self.is_reference:
             other = self.reference.solver.method
             if radial != (other == "radial"):

@@ -2,19 +2,18 @@
 
     Q⁺(v) = Σ_{±e} w_e Σ_j a_j(v) b_j(v),   â_j = u_j(l·e) f̂_l,   b̂_j = p_j(m·e) q_j(|m⊥|) f̂_m
 
-with u_j, p_j, q_j from `carleman_weights` (Mouhot & Pareschi, Math. Comp. 75, 1833 (2006), eqs. 3.4 to 3.6, where
-e = 1 and j takes one value). Two inverse transforms a direction and term, and none forward but that of f.
+with u_j, p_j, q_j from `carleman_weights`. At e = 1 with hard spheres in 3D or Maxwell molecules in 2D, j takes
+one value (Mouhot & Pareschi, Math. Comp. 75, 1833 (2006); Wu, White, Scanlon, Reese & Zhang, J. Comput. Phys.
+250, 27 (2013)). Two inverse transforms a pair ±e and product, and no forward transform but that of f.
 """
+
+from dataclasses import dataclass
 
 import numba
 import numpy as np
 
-from granstudy.collision.carleman_weights import (
-    Product,
-    is_separable,
-    loss_profile,
-    products,
-)
+from granstudy.collision.carleman_scenes import check_scene
+from granstudy.collision.carleman_weights import Product, loss_profile, mirrored, products
 from granstudy.collision.operator import check_state
 from granstudy.collision.rules import directions
 from granstudy.collision.transforms import RealTransforms
@@ -31,7 +30,9 @@ BATCH_BYTES = 2**17
 class CarlemanOperator:
     """Q(f,f) for constant e: elastic with any kernel, inelastic where the kernel separates.
 
-    The modes |l| < πN/2L take part: the ball keeps isotropy, and leaves out the unpaired mode.
+    The modes |l| < N/2 take part: the ball keeps isotropy, and leaves out the unpaired mode. The ``full``
+    loss has the gain's own directions and products, so that mass is conserved to round-off; the ``separate``
+    one integrates over directions to convergence.
 
     Raises
     ------
@@ -43,25 +44,24 @@ class CarlemanOperator:
     def __init__(self, scene: Scene, solver: Solver) -> None:
         e = check_scene(scene)
         self.grid = grid = solver.grid(scene.dim)
+        # Arrays have three axes in both dimensions, the second of length 1 in 2D.
         self._shape = (grid.N, grid.N if grid.dim == 3 else 1, grid.N)
-        modes, self._counts = ball_modes(grid)
+        wavenumbers, self._counts = ball_modes(grid)
         self._starts = np.cumsum(self._counts.ravel()).reshape(self._counts.shape) - self._counts
-        l = np.pi / grid.L * modes  # noqa: E741
-        length = np.sqrt(np.square(l).sum(axis=1))
-
-        terms = products(scene.kernel, e, grid, float(np.max(length)))
-        rule = half_circle_or_quarter(half(directions(scene, solver)), scene, e)
-        self._of_l, self._of_m, self._odd, loss = filters(terms, rule, l, length)
-        if solver.variant == "separate":
-            distinct, place = np.unique(length.round(12), return_inverse=True)
-            loss = loss_profile(terms, grid, distinct)[place]
-        self._loss = loss
-        self.transforms = 2 * len(self._odd) + 2
+        k2, place = np.unique(np.square(wavenumbers).sum(axis=1), return_inverse=True)
+        k = np.pi / grid.L * np.sqrt(k2)
+        terms = products(scene.kernel, e, grid, float(k[-1]))
+        rule = half_rule(scene, solver)
+        self._filters = tabulate(terms, rule, np.pi / grid.L * wavenumbers)
+        self._loss = (
+            self._filters.loss if solver.variant == "full" else loss_profile(terms, grid, k)[place]
+        )
+        self.transforms = 2 * len(self._filters.odd) + 2
         self._plan(solver.thread_count)
 
     def _plan(self, threads: int) -> None:
         """Divide the products, and give every thread its buffers and transforms."""
-        count = len(self._odd)
+        count = len(self._filters.odd)
         share = -(-count // SHARES)
         largest = max(1, BATCH_BYTES // (8 * self.grid.N**self.grid.dim))
         # Equal batches: no transform is spent on padding but in the last share.
@@ -80,7 +80,9 @@ class CarlemanOperator:
         f = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
         f_hat = self._single.forward(f)
         f_hat /= f.size
-        list(self._workers.map(lambda share, work: self._sum_share(f_hat, share, work), self._shares))
+        list(
+            self._workers.map(lambda share, work: self._sum_share(f_hat, share, work), self._shares)
+        )
         Q = self._gains.sum(axis=0)
         filter_modes(
             f_hat, self._loss[None], NEITHER, 1, self._counts, self._starts, self._single.spectrum
@@ -98,10 +100,10 @@ class CarlemanOperator:
         gain[...] = 0.0
         for first in range(start, stop, self._batch):
             last = min(first + self._batch, stop)
-            odd = self._odd[first:last]
+            odd = self._filters.odd[first:last]
             for transforms, weights, turn in (
-                (work.of_l, self._of_l, -1),
-                (work.of_m, self._of_m, 1),
+                (work.of_l, self._filters.of_l, -1),
+                (work.of_m, self._filters.of_m, 1),
             ):
                 filter_modes(
                     f_hat,
@@ -128,19 +130,6 @@ class CarlemanOperator:
         list(self._workers.map(transform_share, self._shares))
 
 
-def check_scene(scene: Scene) -> float:
-    """The scene's restitution, where this method can do the scene."""
-    e = scene.restitution
-    if callable(e):
-        raise ValueError(f"restitution={e!r}: method 'carleman' takes a constant")
-    if e < 1.0 and not is_separable(scene.kernel, scene.dim):
-        raise ValueError(
-            f"restitution={e!r}, exponent={scene.kernel.exponent!r} in {scene.dim}D: method 'carleman' "
-            "takes restitution below 1 only with exponent=1 in 3D or exponent=0 in 2D"
-        )
-    return float(e)
-
-
 def ball_modes(grid: VelocityGrid) -> tuple[np.ndarray, np.ndarray]:
     """Wavenumbers (n, d) with |l| < N/2 of the half spectrum, and how many each row (N, N') begins with."""
     k = grid.wavenumbers
@@ -150,37 +139,53 @@ def ball_modes(grid: VelocityGrid) -> tuple[np.ndarray, np.ndarray]:
     return modes, inside.sum(axis=-1).reshape(grid.N, -1)
 
 
-def half_circle_or_quarter(pairs: Rule, scene: Scene, e: float) -> Rule:
-    """Half of a rule on the half circle where it has right angles and e = 1: e and e⊥ swap l and m."""
-    M = len(pairs)
-    if scene.dim == 2 and e == 1.0 and M % 2 == 0 and pairs.degree >= 2 * M - 1:
-        return Rule(pairs.points[: M // 2], 2 * pairs.weights[: M // 2], pairs.degree, pairs.name)
+def half_rule(scene: Scene, solver: Solver) -> Rule:
+    """One of each pair ±e; at e = 1 in 2D one of each four where the rule has right angles.
+
+    There x and y, and with them l and m, play the same part, so that e⊥ gives what e gives.
+    """
+    pairs = half(directions(scene, solver))
+    if scene.dim == 2 and scene.restitution == 1.0 and solver.M_cir % 4 == 0:
+        quarter = slice(solver.M_cir // 4)
+        return Rule(pairs.points[quarter], 2 * pairs.weights[quarter], pairs.degree, pairs.name)
     return pairs
 
 
-def filters(
-    terms: list[Product], pairs: Rule, l: np.ndarray, length: np.ndarray  # noqa: E741
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """w_e u_j(l·e) and p_j(m·e) q_j(|m⊥|) on the ball's modes, whether j is odd, and G⁺(−m,m).
+@dataclass(frozen=True)
+class Filters:
+    """The filters of l and m on the ball's modes, a row a direction and product, and the loss weight.
 
-    An odd function of l·e times f̂ is −i times the spectrum of a real density, and its partner's i cancels it: see
-    `filter_modes`.
+    A real odd function of l·e times f̂ is the spectrum of i times a real density. ``odd`` tells where both
+    filters are odd; they take factors −i and i, which leaves their product as it is.
     """
-    shape = (len(pairs) * len(terms), len(l))
-    of_l, of_m, odd, loss = np.empty(shape), np.empty(shape), np.empty(shape[0], bool), 0.0
-    row = 0
-    for e, w in zip(pairs.points, pairs.weights / 2, strict=True):
-        along = l @ e
-        beside = np.sqrt(np.maximum(length**2 - along**2, 0.0))
+
+    of_l: np.ndarray
+    of_m: np.ndarray
+    odd: np.ndarray
+    loss: np.ndarray
+
+
+def tabulate(terms: list[Product], rule: Rule, modes: np.ndarray) -> Filters:
+    """w_e u_j(l·e), p_j(m·e) q(|m⊥|) and G⁻(m) = G⁺(−m,m) with this rule, which conserves mass.
+
+    ``modes`` (n, d) are l and m in units of 1/velocity.
+    """
+    shape = (len(rule), len(terms), len(modes))
+    of_l, of_m = np.empty(shape), np.empty(shape)
+    loss = np.zeros(len(modes))
+    square = np.square(modes).sum(axis=1)
+    # ∫_{−r}^{r} dρ has both of ±e: the integral is over half a sphere
+    for i, (e, w) in enumerate(zip(rule.points, rule.weights / 2, strict=True)):
+        along = modes @ e
+        beside = np.sqrt(np.maximum(square - along**2, 0.0))
         along, sign = np.abs(along), np.sign(along)
-        for term in terms:
+        for j, term in enumerate(terms):
             parity = sign if term.odd else 1.0
-            of_l[row] = w * parity * term.of_l(along)
-            of_m[row] = parity * term.of_m(along) * term.across(beside)
-            odd[row] = term.odd
-            loss = loss + of_l[row] * of_m[row] * (-1.0 if term.odd else 1.0)
-            row += 1
-    return of_l, of_m, odd, np.asarray(loss)
+            of_l[i, j] = w * parity * term.of_l(along)
+            of_m[i, j] = parity * term.of_m(along) * term.across(beside)
+            loss += w * mirrored(term, along, beside)
+    odd = np.tile([term.odd for term in terms], len(rule))
+    return Filters(of_l.reshape(-1, len(modes)), of_m.reshape(-1, len(modes)), odd, loss)
 
 
 NEITHER = np.zeros(1, dtype=bool)

@@ -4,15 +4,15 @@ With g = x + y, x = ½(g − |g|σ) ⊥ y = ½(g + |g|σ), the collision rule is
 
     ∫∫ B F dσ dg = ∫∫ B̃ δ(x·y) F dx dy,   B̃ = 2^{d−1} C_λ |g|^{λ+2−d},  |g|² = |x|² + |y|²
 
-(Carleman's coordinates: Mouhot & Pareschi, Math. Comp. 75, 1833 (2006), sect. 2). With |x|, |y| < r in place of
+(Carleman's coordinates, as in Mouhot & Pareschi, Math. Comp. 75, 1833 (2006)). With |x|, |y| < r in place of
 |g| < R, x = ρe and 2α = 1 − 2β, β = (1−e)/4, the gain weight of docs/method.md §2 becomes
 
     G⁺(l,m) = ½∫ de K(2α l·e − 2β m·e, |m⊥|),   m⊥ = m − (m·e)e,   l, m in units π/L
     K(a,q)  = ∫_{−r}^{r} dρ |ρ|^{d−2} e^{iρa} ∫_{|y|<r, y⊥e} B̃ e^{iq·y} dy
 
-Where B̃ is constant, in 3D for hard spheres and in 2D for Maxwell molecules, K(a,q) = B̃ φ(a) ψ(q)
-(Mouhot & Pareschi, sect. 3). Where it is not, K has a small numerical rank, and so has φ(2αa − 2βb) where β
-is small: **beyond** the paper, and how near-elastic grains stay cheap.
+Where B̃ is constant, in 3D for hard spheres and in 2D for Maxwell molecules, K(a,q) = B̃ φ(a) ψ(q): Mouhot &
+Pareschi's case, at e = 1. Where it is not, K has a small numerical rank, and where β is small so has
+φ(2αa − 2βb): **beyond** the paper.
 """
 
 from collections.abc import Callable
@@ -22,13 +22,18 @@ import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 from scipy.special import j0, j1
 
+from granstudy.collision.carleman_scenes import is_separable, reach
 from granstudy.collision.weights import alpha
 from granstudy.grid import VelocityGrid
 from granstudy.kernel import VHS
 from granstudy.quadrature import radial_rule
 
-TOLERANCE = 1e-6
-"""Error of a truncated sum of products, relative to the largest weight."""
+TOLERANCE = 1e-5
+"""Error of a truncated sum of products, relative to the largest weight, where f̂ is not small."""
+
+EDGE = 1e-2
+"""What a density's spectrum is taken to have fallen to at the edge of the ball: errors count by a Gaussian
+in |l| and |m| that falls as far. Without it sums are a third longer."""
 
 Function = Callable[[np.ndarray], np.ndarray]
 
@@ -44,20 +49,6 @@ class Product:
     of_m: Function
     across: Function
     odd: bool = False
-
-
-def reach(grid: VelocityGrid) -> float:
-    """Largest |x| and |y|, r = (2L − R)/√2 = 0.854 R.
-
-    Then |x + y| ≤ √2 r = 2L − R, so that no particle collides with the periodic image of one that is nearer
-    than R, and every pair nearer than r collides as it should.
-    """
-    return float((2.0 * grid.L - grid.R) / np.sqrt(2.0))
-
-
-def is_separable(kernel: VHS, dim: int) -> bool:
-    """Whether B̃ is constant: λ = d − 2."""
-    return kernel.exponent == dim - 2
 
 
 def normal(dim: int, r: float, a: np.ndarray) -> np.ndarray:
@@ -82,18 +73,16 @@ def strength(kernel: VHS, dim: int) -> float:
 
 
 def kernel_weight(kernel: VHS, dim: int, r: float, a: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """K(a,q) for every pair of ``a`` (n,) and ``q`` (m,), exact to round-off for a, q ≥ 0.
+    """K(a,q) for every pair of ``a`` (n,) and ``q`` (m,), exact to round-off.
 
     In polar coordinates |x| = g cos θ, |y| = g sin θ the integrand is g^{d−1+λ} times a smooth even function
     of g, on two triangles g < r/cos θ and g < r/sin θ.
     """
-    if is_separable(kernel, dim):
-        return strength(kernel, dim) * np.outer(normal(dim, r, a), tangent(dim, r, q))
     count = 24 + int(0.5 * r * max(np.max(a), np.max(q)))
     theta, w_theta = np.polynomial.legendre.leggauss(count)
     theta, w_theta = np.pi / 8 * (theta + 1), np.pi / 8 * w_theta
     radial = radial_rule(count, 1.0, "jacobi", dim - 1 + kernel.exponent)
-    # ‖x‖, ‖y‖ at the nodes of the triangle where the first is the larger
+    # |x| and |y|, whichever is larger, at the nodes of one triangle
     larger = r * np.broadcast_to(radial.points[:, None], (count, count)).ravel()
     smaller = (r * radial.points[:, None] * np.tan(theta)).ravel()
     g = (r * radial.points[:, None] / np.cos(theta)).ravel()
@@ -116,9 +105,8 @@ def products(kernel: VHS, e: float, grid: VelocityGrid, largest: float) -> list[
     One where B̃ is constant and e = 1; else as many as `TOLERANCE` asks for.
     """
     dim, r = grid.dim, reach(grid)
-    nodes = 24 + int(r * largest)  # of a Gauss rule: two a phase of 2
     if not is_separable(kernel, dim):
-        pairs = separate(lambda a, q: kernel_weight(kernel, dim, r, a, q), nodes, largest, r)
+        pairs = sum_of_products(lambda a, q: kernel_weight(kernel, dim, r, a, q), largest, r)
         return [Product(of_l, np.ones_like, across) for of_l, across in pairs]
 
     def across(q: np.ndarray) -> np.ndarray:
@@ -138,43 +126,43 @@ def products(kernel: VHS, e: float, grid: VelocityGrid, largest: float) -> list[
             return 0.5 * B * (normal(dim, r, a - b) + sign * normal(dim, r, a + b))
 
         scale = B * float(normal(dim, r, np.zeros(1))[0])
-        pairs = separate(weight, nodes, largest, r, scale)
+        pairs = sum_of_products(weight, largest, r, scale)
         terms += [Product(of_l, of_m, across, odd) for of_l, of_m in pairs]
     return terms
 
 
-def separate(
+def sum_of_products(
     weight: Callable[[np.ndarray, np.ndarray], np.ndarray],
-    nodes: int,
     largest: float,
     bandwidth: float,
     scale: float | None = None,
 ) -> list[tuple[Function, Function]]:
-    """Fewest u_j, v_j with |weight(a,b) − Σ_j u_j(a) v_j(b)| ≤ TOLERANCE · scale on [0, largest]².
+    """Fewest u_j, v_j with s(a)s(b)|weight(a,b) − Σ_j u_j(a) v_j(b)| ≤ TOLERANCE · scale on [0, largest]².
 
-    The singular functions on Gauss–Legendre nodes, carried on from them by u_j = weight·v_j/σ_j (Nyström).
+    s is the Gaussian of `EDGE`. By singular functions on Gauss–Legendre nodes, carried on from them by
+    u_j = weight·v_j/σ_j (Nyström).
 
     Parameters
     ----------
     weight : callable
         Matrix of the weight at (n,) by (m,) arguments, of ``bandwidth`` in both.
     scale : float, optional
-        The largest weight, at the origin where it is not given.
+        The largest weight; the one at the origin where it is not given.
     """
-    x, w = np.polynomial.legendre.leggauss(nodes)
-    x, root = largest * (x + 1) / 2, np.sqrt(largest * w / 2)
+    x, w = np.polynomial.legendre.leggauss(24 + int(bandwidth * largest))
+    x, w = largest * (x + 1) / 2, largest * w / 2
+    root = np.sqrt(w) * EDGE ** ((x / largest) ** 2)
     left, sigma, right = np.linalg.svd(root[:, None] * weight(x, x) * root)
-    allowed = TOLERANCE * (np.max(np.abs(weight(np.zeros(1), np.zeros(1)))) if scale is None else scale)
-    rest = np.zeros((nodes, nodes))
-    rank = nodes
-    while rank > 0:
-        rest += sigma[rank - 1] * np.outer(left[:, rank - 1], right[rank - 1])
-        if np.max(np.abs(rest / root[:, None] / root)) > allowed:
-            break
-        rank -= 1
+    if scale is None:
+        scale = float(weight(np.zeros(1), np.zeros(1))[0, 0])
+    # what is left of the weight after each product, from the last one back
+    pieces = sigma[:, None, None] * left.T[:, :, None] * right[:, None, :]
+    rest = np.cumsum(pieces[::-1], axis=0)[::-1] / np.sqrt(np.outer(w, w))
+    rank = int(np.count_nonzero(np.max(np.abs(rest), axis=(1, 2)) > TOLERANCE * scale))
     fine = np.linspace(0.0, largest, 32 + int(20 * bandwidth * largest))
-    u = weight(fine, x) @ (root[:, None] * right[:rank].T / np.sqrt(sigma[:rank]))
-    v = weight(x, fine).T @ (root[:, None] * left[:, :rank] / np.sqrt(sigma[:rank]))
+    share = np.sqrt(sigma[:rank])
+    u = weight(fine, x) @ (root[:, None] * right[:rank].T / share)
+    v = weight(x, fine).T @ (root[:, None] * left[:, :rank] / share)
     return [(_spline(fine, u[:, j]), _spline(fine, v[:, j])) for j in range(rank)]
 
 
@@ -186,7 +174,10 @@ def loss_profile(terms: list[Product], grid: VelocityGrid, m: np.ndarray) -> np.
     """G⁻(m) = G⁺(−m, m) for magnitudes ``m``, with the integral over e to round-off."""
     nodes = 24 + int(reach(grid) * np.max(m))
     if grid.dim == 2:
-        mu, w = np.cos(np.pi * (np.arange(nodes) + 0.5) / (2 * nodes)), np.full(nodes, np.pi / nodes)
+        mu, w = (
+            np.cos(np.pi * (np.arange(nodes) + 0.5) / (2 * nodes)),
+            np.full(nodes, np.pi / nodes),
+        )
     else:
         x, w = np.polynomial.legendre.leggauss(nodes)
         mu, w = (x + 1) / 2, np.pi * w
