@@ -2,9 +2,9 @@
 
     Q⁺(v) = Σ_{±e} w_e Σ_j a_j(v) b_j(v),   â_j = u_j(l·e) f̂_l,   b̂_j = p_j(m·e) q_j(|m⊥|) f̂_m
 
-with u_j, p_j, q_j from `carleman_weights`. At e = 1 with hard spheres in 3D or Maxwell molecules in 2D, j takes
-one value (Mouhot & Pareschi, Math. Comp. 75, 1833 (2006); Wu, White, Scanlon, Reese & Zhang, J. Comput. Phys.
-250, 27 (2013)). Two inverse transforms a pair ±e and product, and no forward transform but that of f.
+with u_j, p_j, q_j from `carleman_weights`. At e = 1 with hard spheres in 3D or Maxwell molecules in 2D j is
+one value (Mouhot & Pareschi, Math. Comp. 75, 1833 (2006); Wu, White, Scanlon, Reese & Zhang, J. Comput.
+Phys. 250, 27 (2013)). Two inverse transforms a pair ±e and product, none forward but that of f.
 """
 
 from dataclasses import dataclass

@@ -28,12 +28,12 @@ from granstudy.grid import VelocityGrid
 from granstudy.kernel import VHS
 from granstudy.quadrature import radial_rule
 
-TOLERANCE = 1e-5
+TOLERANCE = 1e-6
 """Error of a truncated sum of products, relative to the largest weight, where f̂ is not small."""
 
-EDGE = 1e-2
+EDGE = 1e-3
 """What a density's spectrum is taken to have fallen to at the edge of the ball: errors count by a Gaussian
-in |l| and |m| that falls as far. Without it sums are a third longer."""
+in |l| and |m| that falls as far. Q is then within 3e-5 of that of untruncated sums on smooth densities."""
 
 Function = Callable[[np.ndarray], np.ndarray]
 

@@ -17,7 +17,7 @@ from granstudy.study import load_study
 RESOLVED = {2: {"N": 48, "R": 8.0}, 3: {"N": 24, "R": 8.0}}
 """Grids on which `asymmetric_scene` has small tails and little aliasing."""
 
-CONVERGED = {2: {"M_cir": 48}, 3: {"M_sph": 194, "sphere_rule": "lebedev"}}
+CONVERGED = {2: {"M_cir": 48}, 3: {"M_sph": 146, "sphere_rule": "lebedev"}}
 
 
 def carleman_Q(scene, f=None, **solver):
@@ -80,13 +80,13 @@ def test_products_sum_to_the_displaced_weight(dim, e):
     r, beta = carleman_scenes.reach(grid), (1 - e) / 4
     B = carleman_weights.strength(kernel, dim)
     scale = B * carleman_weights.normal(dim, r, np.zeros(1))[0]
-    trust = 1e-2 ** ((a / largest) ** 2 + (b / largest) ** 2)
+    trust = carleman_weights.EDGE ** ((a / largest) ** 2 + (b / largest) ** 2)
     for side in (1.0, -1.0):  # m on either side of the plane across e
         found = sum(
             (side if p.odd else 1.0) * p.of_l(a) * p.of_m(b * np.ones((1, 1))) for p in products
         )
         exact = B * carleman_weights.normal(dim, r, (1 - 2 * beta) * a - 2 * beta * side * b)
-        assert np.max(trust * np.abs(found - exact)) < 1.1e-5 * scale
+        assert np.max(trust * np.abs(found - exact)) < 1.2 * carleman_weights.TOLERANCE * scale
 
 
 def test_fewer_products_the_more_elastic():
@@ -117,10 +117,11 @@ def test_fewer_products_the_more_elastic():
         (3, 0.0, 1.0, 1.5e-3),
     ],
 )
-@pytest.mark.parametrize("variant", ["full", "separate"])
-def test_any_density_in_the_ball_agrees_with_direct(dim, exponent, e, tolerance, variant):
+def test_any_density_in_the_ball_agrees_with_direct(dim, exponent, e, tolerance):
     scene = asymmetric_scene(dim, 1, exponent, e)
-    assert_near(carleman_Q(scene, variant=variant), direct_Q(scene), tolerance)
+    reference = direct_Q(scene)
+    for variant in ("full", "separate"):
+        assert_near(carleman_Q(scene, variant=variant), reference, tolerance)
 
 
 @pytest.mark.parametrize("variant", ["full", "separate"])
@@ -142,7 +143,7 @@ def test_error_falls_spectrally_with_the_directions(variant):
 # What holds exactly
 
 
-@pytest.mark.parametrize(("dim", "sizes"), [(2, (16, 24, 32, 40)), (3, (8, 12, 16, 20))])
+@pytest.mark.parametrize(("dim", "sizes"), [(2, (16, 24, 32, 40)), (3, (8, 12, 16, 20, 24))])
 def test_a_maxwellian_is_an_equilibrium(dim, sizes):
     errors = []
     for N in sizes:
@@ -172,7 +173,7 @@ def test_momentum_and_energy_are_conserved_spectrally(dim, sizes):
         Q = carleman_Q(scene, N=N, M_sph=50, variant="full")
         grid = gs.VelocityGrid(dim, N, RESOLVED[dim]["R"])
         errors.append(np.max(np.abs(moments_of(Q, grid))) / (np.abs(Q).sum() * grid.cell))
-    assert_spectral(sizes, errors, rate=0.3, floor=1e-4 if dim == 2 else 1e-2)
+    assert_spectral(sizes, errors, rate=0.3, floor=1e-6 if dim == 2 else 1e-2)
 
 
 @pytest.mark.parametrize("e", [0.95, 0.8])
@@ -231,7 +232,7 @@ def test_the_exact_solution_of_elastic_maxwell_molecules(variant):
     for t in (0.5, 2.0):
         f, rate = bkw2d(v2, t)
         assert_near(gs.collision_operator(scene, solver)(f), rate, 1e-5)
-    ds = gs.simulate(scene, solver, t_final=1.0, dt=0.1, save_every=10)
+    ds = gs.simulate(scene, solver, t_final=1.0, dt=0.05, save_every=20)
     last = ds["f"].isel({ds["f"].dims[0]: -1}).values
     assert_near(last, bkw2d(v2, 1.5)[0], 1e-6)
     assert relative_error(scene.density(grid), last) > 0.05
