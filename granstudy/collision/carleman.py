@@ -1,4 +1,4 @@
-"""The Carleman form: products of two filtered densities, no sum over shells (docs/method.md §2).
+"""The Carleman form: products of two filtered densities, no sum over shells (docs/method.md §8).
 
     Q⁺(v) = Σ_{±e} w_e Σ_j a_j(v) b_j(v),   â_j = u_j(l·e) f̂_l,   b̂_j = p_j(m·e) q_j(|m⊥|) f̂_m
 

@@ -1,4 +1,4 @@
-"""Weights of the Carleman form as sums of products: a function of l times a function of m.
+"""Weights of the Carleman form as sums of products, a function of l by one of m (docs/method.md §8).
 
 With g = x + y, x = ½(g − |g|σ) ⊥ y = ½(g + |g|σ), the collision rule is v' = v − 2αx, v*' = v* + 2αx, and
 
