@@ -28,8 +28,8 @@ def maxwell_temperature(
     t = np.asarray(t, dtype=float)
     if rate == 0.0:
         return T0 + 2.0 * diffusion * t
-    steady = 2.0 * diffusion / rate
-    return (T0 - steady) * np.exp(-rate * t) + steady
+    # T∞ (1 − e^{−rt}) in a form that holds as r → 0, where T∞ is beyond all bounds.
+    return T0 * np.exp(-rate * t) - 2.0 * diffusion * np.expm1(-rate * t) / rate
 
 
 def maxwell_anisotropy_rate(
