@@ -40,7 +40,8 @@ class Solver:
     radial_rule : str
         ``legendre`` (the paper) or ``jacobi`` (spectral for every λ).
     circular : bool
-        For `direct`: whether l+m wraps around the spectrum, as products on the grid do.
+        For `direct`: do as the paper's direct method does. l+m wraps around the spectrum, as
+        products on the grid do, and sinc is evaluated as in the paper's code.
     threads : int or None
         Threads to use, None for one a core. Results do not depend on it.
 

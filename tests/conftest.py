@@ -16,3 +16,9 @@ def cache(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("GRANSTUDY_CACHE", str(tmp_path_factory.mktemp("cache")))
         yield
+
+
+@pytest.fixture
+def exact_sinc(monkeypatch):
+    """`literal` and the circular `direct` without the paper's shift of sinc, an error of 1e-8."""
+    monkeypatch.setattr("granstudy.sphere.PAPER_SHIFT", 0.0)

@@ -2,7 +2,8 @@
 
 No angular quadrature error, and no O(N^{2d}) storage: for a constant restitution the gain weight depends
 on |k| and |m−αk| alone (docs/method.md §2), for one that depends on the impact speed on |k|, |m| and the
-angle between them. The reference that the other methods are measured against.
+angle between them. The reference that the other methods are measured against; ``circular`` makes it the
+paper's direct method, down to how its code evaluates sinc.
 """
 
 from collections.abc import Callable
@@ -15,12 +16,13 @@ from scipy.special import eval_legendre, jv, spherical_jn
 from granstudy.collision.operator import check_state
 from granstudy.collision.rules import radial_nodes
 from granstudy.collision.variable_restitution import mean_phase
-from granstudy.collision.weights import alpha, loss_weight, radial_measure, sphere_mean
+from granstudy.collision.weights import SphereMean, alpha, loss_weight, radial_measure
 from granstudy.grid import VelocityGrid
 from granstudy.kernel import sphere_area
 from granstudy.quadrature import Rule, radial_rule
 from granstudy.scene import Scene
 from granstudy.solver import Solver
+from granstudy.sphere import paper_sphere_mean, sphere_mean
 
 DEGREE = 5
 """Degree of the piecewise polynomials in |m−αk| that tabulate the gain weight."""
@@ -50,8 +52,9 @@ class DirectOperator:
         self.measure = radial_measure(
             scene.kernel, grid.dim, self.radial.points, self.radial.weights
         )
+        mean = paper_sphere_mean if solver.circular else sphere_mean
         self.loss = loss_weight(
-            scene.kernel, grid, self.radial.points, self.radial.weights, half=False
+            scene.kernel, grid, self.radial.points, self.radial.weights, half=False, mean=mean
         ).reshape(grid.N, -1, grid.N)
         # Modes as (n, 3) integers; arrays have three axes, the second of length 1 in 2D.
         k, ny = grid.wavenumbers, grid.N if grid.dim == 3 else 1
@@ -61,7 +64,9 @@ class DirectOperator:
         if callable(scene.restitution):
             self._weight = AngularSeries(scene.restitution, grid, self.radial, self.measure)
         else:
-            self._weight = ScalarTable(float(scene.restitution), grid, self.radial, self.measure)
+            self._weight = ScalarTable(
+                float(scene.restitution), grid, self.radial, self.measure, mean
+            )
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
         """Q(f,f), of the type of ``f``."""
@@ -95,7 +100,9 @@ def converged_radial(scene: Scene, grid: VelocityGrid) -> Rule:
 class ScalarTable:
     """G⁺ for constant e, |S|² C_λ Σ_ρ w ρ^{d−1+λ} mean(ρα|k|) mean(ρ|m−αk|), a |k| at a time."""
 
-    def __init__(self, e: float, grid: VelocityGrid, radial: Rule, measure: np.ndarray) -> None:
+    def __init__(
+        self, e: float, grid: VelocityGrid, radial: Rule, measure: np.ndarray, mean: SphereMean
+    ) -> None:
         self.alpha = float(alpha(e))
         self.unit = np.pi / grid.L
         self.radii = radial.points
@@ -108,7 +115,8 @@ class ScalarTable:
         t = np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
         self.to_coefficients = np.linalg.inv(np.vander(t, increasing=True))
         s = (np.arange(cells)[:, None] + (t + 1) / 2) * self.width
-        self.means = sphere_mean(grid.dim, s.ravel()[:, None] * self.radii)
+        self.mean = mean
+        self.means = mean(grid.dim, s.ravel()[:, None] * self.radii)
 
     def sum(
         self,
@@ -121,7 +129,7 @@ class ScalarTable:
     ) -> None:
         """Fill Q̂ at the modes of ``group``, which share one |k|."""
         k = self.unit * np.sqrt(float(np.square(modes[group[0]]).sum()))
-        profile = self.means @ (self.measure * sphere_mean(self.dim, self.alpha * k * self.radii))
+        profile = self.means @ (self.measure * self.mean(self.dim, self.alpha * k * self.radii))
         table = profile.reshape(-1, DEGREE + 1) @ self.to_coefficients.T
         scale = self.unit / self.width
         _sum_table(modes, group, f_hat, loss, circular, self.alpha, scale, table, Q_hat)

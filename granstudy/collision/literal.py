@@ -11,11 +11,12 @@ import pyfftw
 from granstudy.collision.operator import check_state
 from granstudy.collision.rules import directions, radial_nodes
 from granstudy.collision.variable_restitution import mean_gain
-from granstudy.collision.weights import alpha, loss_weight, radial_measure, sphere_mean
+from granstudy.collision.weights import alpha, loss_weight, radial_measure
 from granstudy.collision.workers import SHARES, Workers
 from granstudy.grid import VelocityGrid
 from granstudy.scene import Scene
 from granstudy.solver import Solver
+from granstudy.sphere import paper_sphere_mean
 
 BATCH = 2**15
 """Grid points transformed together: small grids take several nodes at a time."""
@@ -50,12 +51,21 @@ class LiteralOperator:
             a = float(alpha(scene.restitution))
             self.gain_phases = phase_vectors(grid, a * g)
             k = np.pi / grid.L * np.sqrt(grid.wavenumber_squared())
-            self.means = np.array([sphere_mean(grid.dim, a * rho * k) for rho in radial.points])
+            self.means = np.array(
+                [paper_sphere_mean(grid.dim, a * rho * k) for rho in radial.points]
+            )
         self.full = solver.variant == "full"
         self.loss = (
             None
             if self.full
-            else loss_weight(scene.kernel, grid, radial.points, radial.weights, half=False)
+            else loss_weight(
+                scene.kernel,
+                grid,
+                radial.points,
+                radial.weights,
+                half=False,
+                mean=paper_sphere_mean,
+            )
         )
 
         batch = max(1, BATCH // grid.N**grid.dim)

@@ -1,10 +1,14 @@
 """Fourier weights of the collision operator (docs/method.md §2)."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from granstudy.grid import VelocityGrid
 from granstudy.kernel import VHS, sphere_area
 from granstudy.sphere import sphere_mean
+
+SphereMean = Callable[[int, np.ndarray], np.ndarray]
 
 
 def alpha(restitution: np.ndarray | float) -> np.ndarray | float:
@@ -18,7 +22,12 @@ def radial_measure(kernel: VHS, dim: int, rho: np.ndarray, w_rho: np.ndarray) ->
 
 
 def loss_weight(
-    kernel: VHS, grid: VelocityGrid, rho: np.ndarray, w_rho: np.ndarray, half: bool
+    kernel: VHS,
+    grid: VelocityGrid,
+    rho: np.ndarray,
+    w_rho: np.ndarray,
+    half: bool,
+    mean: SphereMean = sphere_mean,
 ) -> np.ndarray:
     """G⁻(m) = |S|² C_λ Σ_ρ w_ρ ρ^{d−1+λ} mean(πρ|m|/L) (paper eqs. 44 and 47).
 
@@ -26,5 +35,5 @@ def loss_weight(
     """
     m2, place = np.unique(grid.wavenumber_squared(half), return_inverse=True)
     measure = radial_measure(kernel, grid.dim, rho, w_rho)
-    mean = sphere_mean(grid.dim, np.pi / grid.L * np.sqrt(m2)[:, None] * rho)
-    return sphere_area(grid.dim) * (mean @ measure)[place].reshape(place.shape)
+    means = mean(grid.dim, np.pi / grid.L * np.sqrt(m2)[:, None] * rho)
+    return sphere_area(grid.dim) * (means @ measure)[place].reshape(place.shape)

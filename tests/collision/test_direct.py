@@ -11,6 +11,7 @@ import granstudy as gs
     ("dim", "N", "M"), [(2, 16, {"M_cir": 60}), (3, 8, {"M_sph": 590, "sphere_rule": "lebedev"})]
 )
 @pytest.mark.parametrize("e", [0.0, 0.3, 1.0])
+@pytest.mark.usefixtures("exact_sinc")
 def test_circular_sums_equal_the_literal_method_at_a_converged_angular_rule(dim, N, M, e):
     scene = asymmetric_scene(dim, exponent=1.0, restitution=e)
     settings = {"N": N, "R": 6.0, "N_rho": 20}
@@ -20,6 +21,7 @@ def test_circular_sums_equal_the_literal_method_at_a_converged_angular_rule(dim,
 
 
 @pytest.mark.parametrize(("dim", "N"), [(2, 12), (3, 6)])
+@pytest.mark.usefixtures("exact_sinc")
 def test_the_series_for_variable_restitution_equals_the_scalar_table(dim, N):
     for e in (0.2, 0.9):
         constant = asymmetric_scene(dim, exponent=0.5, restitution=e)

@@ -20,6 +20,7 @@ def paired_modes(Q):
 @pytest.mark.parametrize(
     ("dim", "settings"), [(2, {"N": 12, "M_cir": 10}), (3, {"N": 6, "M_sph": 12})]
 )
+@pytest.mark.usefixtures("exact_sinc")
 def test_a_constant_law_equals_a_constant(method, variant, dim, settings):
     settings = settings | {"R": 6.0, "N_rho": 6, "method": method, "variant": variant}
     constant = evaluate(asymmetric_scene(dim, restitution=0.4), **settings)

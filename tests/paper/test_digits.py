@@ -68,10 +68,8 @@ def design_file(M_sph):
 @pytest.mark.slow
 @pytest.mark.parametrize("M_sph", [6, 12, 32, 48, 70, 94, 120])
 def test_table_4_with_the_papers_points(M_sph):
-    # The paper's reference is off ours by up to 8e-10 at every M, either sign: 1e-8 of max|Q|, the
-    # round-off of weights in single precision. That is more than four digits of the last rows.
     printed = paper_table(4).set_index("M_sph").loc[M_sph, "collision_error"]
-    assert_printed(collision_error("bkw3d", M_sph, design_file(M_sph)), printed, 2e-6, 1e-9)
+    assert_printed(collision_error("bkw3d", M_sph, design_file(M_sph)), printed, 1e-9, 1e-15)
 
 
 @needs_designs
@@ -79,7 +77,7 @@ def test_table_4_with_the_papers_points(M_sph):
 @pytest.mark.parametrize("M_sph", [6, 12, 32, 48, 70, 94])
 def test_table_7_with_the_papers_points(M_sph):
     printed = paper_table(7).set_index("M_sph").loc[M_sph, "collision_error"]
-    assert_printed(collision_error("double_well3d", M_sph, design_file(M_sph)), printed, 1e-5)
+    assert_printed(collision_error("double_well3d", M_sph, design_file(M_sph)), printed, 1e-10)
 
 
 @pytest.mark.slow
@@ -87,4 +85,14 @@ def test_table_7_with_the_papers_points(M_sph):
 def test_table_8(sizes):
     table = paper_table(8).set_index(["N_theta", "N_phi"])
     printed = table.loc[sizes, "collision_error"]
-    assert_printed(collision_error("double_well3d", sizes, "gauss-theta-phi"), printed, 1e-6)
+    assert_printed(collision_error("double_well3d", sizes, "gauss-theta-phi"), printed, 1e-10)
+
+
+@pytest.mark.slow
+def test_table_6():
+    """The octahedron's vertices are the paper's points of degree 3."""
+    scene = gs.load_scene("double_well3d", restitution=0.2)
+    solver = gs.Solver(N=32, R=7.0, M_sph=6, method="literal")
+    ds = gs.simulate(scene, solver, t_final=1.0, dt=0.01, progress=False)
+    printed = paper_table(6).set_index("M_sph").loc[6, "temperature_error"]
+    assert_printed(float(ds["paper_temperature_error"][-1]), printed, 1e-10)
