@@ -10,6 +10,7 @@ from granstudy.moments import moments
 from granstudy.radial_grid import RadialGrid
 from granstudy.scene import Scene, load_scene
 from granstudy.solver import Solver
+from granstudy.symmetry import Symmetry
 
 __all__ = [
     "VHS",
@@ -17,6 +18,7 @@ __all__ = [
     "RadialGrid",
     "Scene",
     "Solver",
+    "Symmetry",
     "VelocityGrid",
     "Viscoelastic",
     "collision_operator",

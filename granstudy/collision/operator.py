@@ -14,12 +14,12 @@ from granstudy.velocity_space import VelocitySpace
 OPERATORS = {
     "literal": ("granstudy.collision.literal", "LiteralOperator"),
     "direct": ("granstudy.collision.direct", "DirectOperator"),
-    "fast": ("granstudy.collision.fast", "FastOperator"),
     "radial": ("granstudy.collision.radial", "RadialOperator"),
     "carleman": ("granstudy.collision.carleman", "CarlemanOperator"),
+    "fast": ("granstudy.collision.fast", "fast_operator"),
 }
-"""Module and class behind each method; imported only where a method is used, so that a run loads, and
-is fingerprinted by, no other method's code."""
+"""Module and maker of the operator behind each method; imported only where a method is used, so that a
+run loads, and is fingerprinted by, no other method's code."""
 
 
 class CollisionOperator(Protocol):

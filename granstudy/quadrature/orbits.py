@@ -38,7 +38,7 @@ def representatives(rule: Rule, group: Symmetry) -> Rule:
             # the image of an orbit's point is in the orbit, so the least row over all images names it
             first = np.minimum(first, tree.query(sign * move(h, full.points))[1])
     rows, orbit = np.unique(first, return_inverse=True)
-    weights = np.bincount(orbit, weights=full.weights)
+    weights = np.bincount(orbit, weights=full.weights).astype(np.float64)
     name = f"{len(rows)} orbits of {rule.name}"
     return Rule(full.points[rows], weights, full.degree, name)
 
