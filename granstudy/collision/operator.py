@@ -17,6 +17,7 @@ OPERATORS = {
     "radial": ("granstudy.collision.radial", "RadialOperator"),
     "carleman": ("granstudy.collision.carleman", "CarlemanOperator"),
     "fast": ("granstudy.collision.fast", "fast_operator"),
+    "adaptive": ("granstudy.collision.adaptive", "AdaptiveOperator"),
 }
 """Module and maker of the operator behind each method; imported only where a method is used, so that a
 run loads, and is fingerprinted by, no other method's code."""
@@ -65,7 +66,7 @@ def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:
         rule of the size asked for.
     """
     check_restitution(scene.restitution, largest_speed=solver.R)
-    module, name = OPERATORS[solver.method]
+    module, name = OPERATORS[solver.operator]
     operator = getattr(import_module(module), name)
     return operator(scene, solver)
 

@@ -3,6 +3,11 @@
 import numpy as np
 import pyfftw
 
+KEPT = 3 / 8
+"""Modes in parts of N that a difference between two quadratures is measured on. The products' spectrum
+wraps around into the others, differently for every choice of nodes (measured: leaving those out takes the
+difference of two converged quadratures from 3e-6 to 1e-7 of max|Q| for a density with T = 1, N = 32)."""
+
 
 class Transforms:
     """Real transforms of a batch of densities in place, planned once on an aligned buffer.
@@ -63,3 +68,11 @@ def resize(f_hat: np.ndarray, n: int) -> np.ndarray:
     kept = f_hat[np.ix_(k, y, k[:half])] * turn[:, None, None] * turn[:half]
     out[np.ix_(k, y, k[:half])] = kept * turn[:, None] if ny > 1 else kept
     return out
+
+
+def unaliased(f_hat: np.ndarray) -> np.ndarray:
+    """The modes |k_i| ≤ `KEPT`·N of a half spectrum (N, N', N/2+1), the others zero."""
+    N, ny, _ = f_hat.shape
+    k = np.abs(np.fft.fftfreq(N, 1 / N)) <= KEPT * N
+    y = k if ny > 1 else np.ones(1, dtype=bool)
+    return f_hat * (k[:, None, None] & y[:, None] & k[: N // 2 + 1])

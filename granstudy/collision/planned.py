@@ -1,0 +1,100 @@
+"""The fast operator with the quadrature of a plan, and the same made finer."""
+
+from dataclasses import replace
+
+import numpy as np
+import scipy.fft
+
+from granstudy.collision.fast import NodalOperator, nodal_loss, spectrum_axes
+from granstudy.collision.gain import GainSum
+from granstudy.collision.nodes import place_nodes
+from granstudy.collision.plan import QuadraturePlan
+from granstudy.collision.rules import converged_radial
+from granstudy.collision.transforms import unaliased
+from granstudy.collision.weights import loss_weight
+from granstudy.grid import VelocityGrid
+from granstudy.quadrature import Rule, radial_rule
+from granstudy.quadrature.ladder import Ladder, ladder
+from granstudy.scene import Scene
+from granstudy.solver import Solver
+
+FINER_SHELLS = 3
+FINER_LEVELS = 2
+"""How many shells more, and rules up the ladder, the finer quadrature takes."""
+
+
+def shell_radii(scene: Scene, solver: Solver, N_rho: int) -> Rule:
+    """Gauss–Jacobi in ρ²: spectral for every λ, and needs the fewest shells."""
+    return radial_rule(N_rho, solver.R, "jacobi", scene.dim - 1 + scene.kernel.exponent)
+
+
+def planned_operator(scene: Scene, solver: Solver, plan: QuadraturePlan) -> NodalOperator:
+    """The operator that a plan describes, on the solver's grid.
+
+    In the variant ``separate`` the loss comes from a radial rule that has converged: it costs nothing.
+    """
+    grid = solver.grid(scene.dim)
+    rules = ladder(scene.dim, scene.symmetry)
+    radial = shell_radii(scene, solver, plan.N_rho)
+    steps = [rules.steps[rules.level(size)] if size else None for size in plan.sizes]
+    if solver.variant == "separate":
+        fine = converged_radial(scene, grid)
+        loss = loss_weight(scene.kernel, grid, fine.points, fine.weights, half=True)
+    else:
+        pairs = [None if step is None else step.pairs for step in steps]
+        loss = nodal_loss(grid, place_nodes(scene, grid, radial, pairs))
+    products = VelocityGrid(scene.dim, plan.n, solver.R)
+    reduced = [None if step is None else step.reduced for step in steps]
+    nodes = place_nodes(scene, products, radial, reduced)
+    gain = GainSum(scene, products, nodes, solver.thread_count)
+    return NodalOperator(grid, gain, rules.group, spectrum_axes(grid, loss))
+
+
+def describe_plan(
+    scene: Scene, solver: Solver, n: int, N_rho: int, levels: list[int | None], error: float
+) -> QuadraturePlan:
+    """The plan with a rule of the ladder, or none, on each of N_rho shells."""
+    assert solver.rtol is not None
+    rules = ladder(scene.dim, scene.symmetry)
+    steps = [rules.steps[level] for level in levels if level is not None]
+    nodes = sum(len(step.reduced) for step in steps)
+    return QuadraturePlan(
+        dim=scene.dim,
+        rtol=solver.rtol,
+        N=solver.N,
+        n=n,
+        rule=rules.rule,
+        radii=tuple(map(float, shell_radii(scene, solver, N_rho).points)),
+        sizes=tuple(0 if level is None else rules.steps[level].size for level in levels),
+        symmetry=rules.group.name,
+        nodes=nodes,
+        transforms=2 * nodes + (3 if n == solver.N else 4),
+        error=error,
+    )
+
+
+def refine(scene: Scene, solver: Solver, plan: QuadraturePlan) -> QuadraturePlan:
+    """A plan with more shells, each with a rule well above those of the shells beside it."""
+    rules = ladder(scene.dim, scene.symmetry)
+    N_rho = plan.N_rho + FINER_SHELLS
+    levels: list[int | None] = []
+    for rho in shell_radii(scene, solver, N_rho).points:
+        i = int(np.searchsorted(plan.radii, rho))
+        near = max(plan.sizes[max(i - 1, 0) : i + 1])
+        level = rules.level(near) if near else -1
+        levels.append(min(level + FINER_LEVELS, len(rules) - 1))
+    return describe_plan(scene, solver, plan.n, N_rho, levels, float("nan"))
+
+
+def quadrature_error(operator: NodalOperator, finer: NodalOperator, f: np.ndarray) -> float:
+    """max|Q − Q_finer| / max|Q_finer| at a density, on the modes that aliasing does not reach."""
+    Q = finer(f)
+    return difference(operator(f), Q) / float(np.max(np.abs(Q)))
+
+
+def difference(Q: np.ndarray, other: np.ndarray) -> float:
+    """max|Q − other| of the modes that aliasing does not reach."""
+    axes = (0, 1, 2) if Q.ndim == 3 else (0, 2)
+    wide = (Q - other).reshape(len(Q), -1, len(Q))
+    low = unaliased(scipy.fft.rfftn(wide, axes=axes))
+    return float(np.max(np.abs(scipy.fft.irfftn(low, s=Q.shape, axes=axes))))
