@@ -2,6 +2,7 @@
 
 from granstudy.aggregate import final_values, open_runs, unstack_runs
 from granstudy.collision import CollisionOperator, collision_operator
+from granstudy.collision.plan import QuadraturePlan
 from granstudy.dataset import read_dataset, write_dataset
 from granstudy.evolve import simulate
 from granstudy.grid import VelocityGrid
@@ -15,6 +16,7 @@ from granstudy.symmetry import Symmetry
 __all__ = [
     "VHS",
     "CollisionOperator",
+    "QuadraturePlan",
     "RadialGrid",
     "Scene",
     "Solver",

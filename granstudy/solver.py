@@ -43,7 +43,8 @@ class Solver:
     radial_rule : str
         ``legendre`` (the paper) or ``jacobi`` (spectral for every λ).
     rtol : float or None
-        For `fast`: tolerance of Q's quadrature error over max|Q|, in (0, 1). The shells and the rule of
+        For `fast`: tolerance of Q's quadrature error over max|Q| (near an equilibrium, where Q vanishes,
+        over a hundredth of the loss), in (0, 1). The shells and the rule of
         each are then chosen for the scene, and N_rho, M_sph, M_cir, sphere_rule and radial_rule are left
         alone.
     circular : bool

@@ -8,10 +8,8 @@ SAMPLES = 4096
 """Points of the grid, evenly spread, at which errors are added up while choosing."""
 
 
-def allocate(
-    errors: Sequence[np.ndarray], costs: Sequence[np.ndarray], bound: float
-) -> list[int] | None:
-    """One choice a shell with max|Σ_i errors_i[choice_i]| ≤ bound, or None where there is none.
+def allocate(errors: Sequence[np.ndarray], costs: Sequence[np.ndarray], bound: float) -> list[int]:
+    """One choice a shell with max|Σ_i errors_i[choice_i]| ≤ bound.
 
     Greedy on J = ‖Σ_i e_i‖² + Σ_i ‖e_i‖²: the first term knows that errors of different shells cancel or
     add up, the second keeps the choice from resting on cancellation, which another density would not
@@ -29,8 +27,8 @@ def allocate(
     squares = [np.einsum("cp,cp->c", e, e) for e in errors]
     while np.max(np.abs(total)) > bound:
         step = _best_step(errors, squares, costs, chosen, total)
-        if step is None:
-            return None
+        if step is None:  # nothing left that helps: all that there is
+            return [len(cost) - 1 for cost in costs]
         shell, choice = step
         total = total + errors[shell][choice] - errors[shell][chosen[shell]]
         chosen[shell] = choice

@@ -62,9 +62,17 @@ class NodalOperator:
         f = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
         f_hat = self._single.forward(f) / f.size
         Q = self._single.backward(self._gain_spectrum(f, f_hat))
-        Q -= f * self._single.backward(self._loss * f_hat)
+        Q -= self._loss_part(f, f_hat)
         # The loss has the symmetry already; with it, round-off that has not stays as small as it is.
         return self.group.symmetrise(Q.reshape(self.grid.shape))
+
+    def loss(self, f: np.ndarray) -> np.ndarray:
+        """Q⁻(f,f) alone."""
+        wide = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
+        return self._loss_part(wide, self._single.forward(wide) / f.size).reshape(f.shape)
+
+    def _loss_part(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
+        return f * self._single.backward(self._loss * f_hat)
 
     def _gain_spectrum(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
         n = self.gain.grid.N

@@ -31,7 +31,10 @@ class QuadraturePlan:
     transforms : int
         Real transforms of n^d points that one evaluation of Q makes.
     error : float
-        Estimate of max|Q − Q_exact|/max|Q| for the density it was made for, but for the aliasing of N.
+        Estimate of Q's quadrature error over max|Q|, for the density that it was made for.
+    aliasing : float
+        Estimate of the error that no quadrature removes, as the products wrap around the spectrum of N
+        modes; it takes a larger N.
     """
 
     dim: int
@@ -45,6 +48,7 @@ class QuadraturePlan:
     nodes: int
     transforms: int
     error: float
+    aliasing: float
 
     @property
     def N_rho(self) -> int:
@@ -63,7 +67,8 @@ class QuadraturePlan:
             for row in (0, 1)
         ]
         return (
-            f"QuadraturePlan: error {self.error:.1e} of max|Q| for rtol {self.rtol:.1e}\n"
+            f"QuadraturePlan: error {self.error:.1e} of max|Q| for rtol {self.rtol:.1e}"
+            f", aliasing {self.aliasing:.1e}\n"
             f"  ρ {rows[0]}\n"
             f"  M {rows[1]}\n"
             f"  {sum(self.sizes)} nodes ({self.rule}), symmetry {self.symmetry!r}: {self.nodes} "

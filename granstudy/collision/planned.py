@@ -14,13 +14,17 @@ from granstudy.collision.transforms import unaliased
 from granstudy.collision.weights import loss_weight
 from granstudy.grid import VelocityGrid
 from granstudy.quadrature import Rule, radial_rule
-from granstudy.quadrature.ladder import Ladder, ladder
+from granstudy.quadrature.ladder import ladder
 from granstudy.scene import Scene
 from granstudy.solver import Solver
 
 FINER_SHELLS = 3
 FINER_LEVELS = 2
 """How many shells more, and rules up the ladder, the finer quadrature takes."""
+
+EQUILIBRIUM = 0.01
+"""Near an equilibrium Q vanishes, while the errors of gain and loss do not. A tolerance counts there from
+this part of the loss."""
 
 
 def shell_radii(scene: Scene, solver: Solver, N_rho: int) -> Rule:
@@ -50,10 +54,8 @@ def planned_operator(scene: Scene, solver: Solver, plan: QuadraturePlan) -> Noda
     return NodalOperator(grid, gain, rules.group, spectrum_axes(grid, loss))
 
 
-def describe_plan(
-    scene: Scene, solver: Solver, n: int, N_rho: int, levels: list[int | None], error: float
-) -> QuadraturePlan:
-    """The plan with a rule of the ladder, or none, on each of N_rho shells."""
+def describe_plan(scene: Scene, solver: Solver, levels: list[int | None]) -> QuadraturePlan:
+    """The plan with a rule of the ladder, or none, on each of so many shells; errors not known yet."""
     assert solver.rtol is not None
     rules = ladder(scene.dim, scene.symmetry)
     steps = [rules.steps[level] for level in levels if level is not None]
@@ -62,14 +64,15 @@ def describe_plan(
         dim=scene.dim,
         rtol=solver.rtol,
         N=solver.N,
-        n=n,
+        n=solver.N,
         rule=rules.rule,
-        radii=tuple(map(float, shell_radii(scene, solver, N_rho).points)),
+        radii=tuple(map(float, shell_radii(scene, solver, len(levels)).points)),
         sizes=tuple(0 if level is None else rules.steps[level].size for level in levels),
         symmetry=rules.group.name,
         nodes=nodes,
-        transforms=2 * nodes + (3 if n == solver.N else 4),
-        error=error,
+        transforms=2 * nodes + 3,
+        error=float("nan"),
+        aliasing=float("nan"),
     )
 
 
@@ -83,13 +86,18 @@ def refine(scene: Scene, solver: Solver, plan: QuadraturePlan) -> QuadraturePlan
         near = max(plan.sizes[max(i - 1, 0) : i + 1])
         level = rules.level(near) if near else -1
         levels.append(min(level + FINER_LEVELS, len(rules) - 1))
-    return describe_plan(scene, solver, plan.n, N_rho, levels, float("nan"))
+    return replace(describe_plan(scene, solver, levels), n=plan.n)
 
 
 def quadrature_error(operator: NodalOperator, finer: NodalOperator, f: np.ndarray) -> float:
     """max|Q − Q_finer| / max|Q_finer| at a density, on the modes that aliasing does not reach."""
     Q = finer(f)
-    return difference(operator(f), Q) / float(np.max(np.abs(Q)))
+    return difference(operator(f), Q) / magnitude(finer, f, Q)
+
+
+def magnitude(operator: NodalOperator, f: np.ndarray, Q: np.ndarray) -> float:
+    """max|Q|, or `EQUILIBRIUM` of max|Q⁻| where gain and loss cancel further than that."""
+    return float(max(np.max(np.abs(Q)), EQUILIBRIUM * np.max(np.abs(operator.loss(f)))))
 
 
 def difference(Q: np.ndarray, other: np.ndarray) -> float:

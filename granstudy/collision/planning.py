@@ -5,16 +5,20 @@ computed with rules of growing size until it settles, and the rules are chosen s
 errors stays under rtol·max|Q| (docs/method.md §2, fact 5). A finer quadrature then verifies the choice.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import scipy.fft
 
 from granstudy.collision.allocation import allocate, sampled
+from granstudy.collision.gain import GainSum
+from granstudy.collision.operator import ToleranceError
 from granstudy.collision.plan import QuadraturePlan
 from granstudy.collision.planned import (
     describe_plan,
     difference,
+    magnitude,
     planned_operator,
     quadrature_error,
     refine,
@@ -26,6 +30,7 @@ from granstudy.grid import VelocityGrid
 from granstudy.quadrature.ladder import ladder
 from granstudy.scene import Scene
 from granstudy.solver import Solver
+from granstudy.symmetry import Symmetry
 
 TARGET = 0.5
 """Part of the tolerance that a new plan may use: the rest is for a density that evolves."""
@@ -39,20 +44,23 @@ GRID_PART = 0.15
 RESOLVED = 0.1
 """max|f − f_n| over max|f|, in parts of the tolerance, on a smaller grid that may hold f."""
 
+QUIET = 0.2
+"""Aliasing in parts of the tolerance on a smaller grid that a plan is made on."""
+
 SETTLED = 0.03
 """A shell's part has settled where the next rule changes it by this part of the tolerance."""
 
 LARGEST_N_RHO = 80
+
+PROBE = 3
+PROBE_SHELLS = 12
+"""Rule on the ladder, and number of shells, of the quadrature that aliasing is measured with."""
 
 SIZES = (8, 12, 16, 20, 32, 40, 48, 64, 96, 128)
 """Grids on which products may be formed. FFTW's real transforms of 32³ points take less time than those
 of 22³ to 30³."""
 
 ATTEMPTS = 5
-
-
-class ToleranceError(ValueError):
-    """The tolerance cannot be reached on the solver's grid."""
 
 
 def make_plan(scene: Scene, solver: Solver, f: np.ndarray) -> QuadraturePlan:
@@ -64,68 +72,92 @@ def make_plan(scene: Scene, solver: Solver, f: np.ndarray) -> QuadraturePlan:
         If the sums do not settle so far, as aliasing on the solver's grid keeps them from it.
     """
     assert solver.rtol is not None
-    n, f_n = resolving_grid(solver.grid(scene.dim), f, RESOLVED * solver.rtol)
-    small = replace(solver, N=n)
-    N_rho, scale = _radial_size(scene, small, f_n)
+    for n, f_n in resolving_grids(solver.grid(scene.dim), f, RESOLVED * solver.rtol):
+        small = replace(solver, N=n)
+        noise, aliasing, scale = _aliasing(scene, small, f_n)
+        if noise <= QUIET * solver.rtol:
+            break
+    if noise > solver.rtol:
+        raise _unreachable(solver, noise)
+    N_rho = _radial_size(scene, small, f_n, RADIAL_PART * solver.rtol + noise / 2)
+    settled = (SETTLED * solver.rtol + noise / 10) * scale
     bound = (TARGET - RADIAL_PART) * solver.rtol * scale
     error = np.inf
     for _ in range(ATTEMPTS):
-        parts, costs = _measure(scene, small, f_n, N_rho, SETTLED * solver.rtol * scale)
+        parts, costs = _measure(scene, small, f_n, N_rho, settled)
         choices = allocate([sampled(part - part[-1]) for part in parts], costs, bound)
-        assert choices is not None  # the last choice has no error against itself
-        levels = [choice - 1 if choice else None for choice in choices]
-        plan = describe_plan(scene, small, n, N_rho, levels, error)
+        plan = describe_plan(scene, small, [choice - 1 if choice else None for choice in choices])
         finer = planned_operator(scene, small, refine(scene, small, plan))
         error = quadrature_error(planned_operator(scene, small, plan), finer, f_n)
-        if error <= TARGET * solver.rtol * 1.2:
-            return _choose_grid(scene, solver, replace(plan, N=solver.N, error=error), f)
-        if error > 3 * solver.rtol:
+        if error <= TARGET * solver.rtol:
+            plan = replace(plan, N=solver.N, error=error, aliasing=aliasing)
+            return _choose_grid(scene, solver, plan, f)
+        if error > solver.rtol:
             N_rho += 1
         bound *= min(0.7, TARGET * solver.rtol / error)
-    raise ToleranceError(
-        f"rtol={solver.rtol!r}: the sums over directions on N={solver.N} settle to {error:.1e} of "
-        "max|Q| only, as aliasing is as large; take a larger N or rtol"
+    raise _unreachable(solver, error)
+
+
+def _unreachable(solver: Solver, error: float) -> ToleranceError:
+    return ToleranceError(
+        f"rtol={solver.rtol!r}: on N={solver.N} aliasing keeps the sums over directions from settling "
+        f"below {error:.1e} of max|Q|; take a larger N or a larger rtol"
     )
 
 
-def resolving_grid(grid: VelocityGrid, f: np.ndarray, tolerance: float) -> tuple[int, np.ndarray]:
-    """The smallest of `SIZES` on which f is max|f|·tolerance near itself, and f there; else the grid."""
+def _aliasing(scene: Scene, solver: Solver, f: np.ndarray) -> tuple[float, float, float]:
+    """How much a fixed quadrature changes with the signs of its nodes, and max|Q|.
+
+    But for aliasing it does not matter which of ±g is evaluated. The change over max|Q|: on the modes that
+    quadratures are compared on, and on all.
+    """
+    scene = replace(scene, symmetry=Symmetry.named(scene.dim, "none"))
+    operator = planned_operator(scene, solver, describe_plan(scene, solver, [PROBE] * PROBE_SHELLS))
+    Q = operator(f)
+    flipped = replace(operator.gain.nodes, vectors=-operator.gain.nodes.vectors)
+    operator.gain = GainSum(scene, operator.gain.grid, flipped, solver.thread_count)
+    other = operator(f)
+    scale = magnitude(operator, f, Q)
+    return difference(Q, other) / scale, float(np.max(np.abs(Q - other))) / scale, scale
+
+
+def resolving_grids(
+    grid: VelocityGrid, f: np.ndarray, tolerance: float
+) -> Iterator[tuple[int, np.ndarray]]:
+    """Those of `SIZES` on which f is max|f|·tolerance near itself, each with f there; N comes last."""
     axes = (0, 1, 2) if grid.dim == 3 else (0, 2)
-    wide = f if grid.dim == 3 else f[:, None, :]
-    f_hat = scipy.fft.rfftn(wide, axes=axes, norm="forward")
+    f_hat = scipy.fft.rfftn(f.reshape(grid.N, -1, grid.N), axes=axes, norm="forward")
 
     def values(spectrum: np.ndarray) -> np.ndarray:
         shape = (len(spectrum),) * grid.dim
         return scipy.fft.irfftn(spectrum, s=shape, axes=axes, norm="forward").reshape(shape)
 
     for n in SIZES:
-        if n >= grid.N:
-            break
-        small = resize(f_hat, n)
-        lost = values(f_hat - resize(small, grid.N))
-        if np.max(np.abs(lost)) <= tolerance * np.max(np.abs(f)):
-            return n, values(small)
-    return grid.N, f
+        if n < grid.N:
+            small = resize(f_hat, n)
+            lost = values(f_hat - resize(small, grid.N))
+            if np.max(np.abs(lost)) <= tolerance * np.max(np.abs(f)):
+                yield n, values(small)
+    yield grid.N, f
 
 
-def _radial_size(scene: Scene, solver: Solver, f: np.ndarray) -> tuple[int, float]:
-    """Fewest shells whose radii are good to their part of the tolerance, and max|Q|.
+def _radial_size(scene: Scene, solver: Solver, f: np.ndarray, tolerance: float) -> int:
+    """Fewest shells whose radii are good to a relative tolerance.
 
     Judged with the ladder's second rule, the same on all shells: its parts are as smooth in ρ as those of
     a better one.
     """
-    assert solver.rtol is not None
     before = None
-    for N_rho in range(4, LARGEST_N_RHO, 2):
-        plan = describe_plan(scene, solver, solver.N, N_rho, [1] * N_rho, np.nan)
-        Q = planned_operator(scene, solver, plan)(f)
-        scale = float(np.max(np.abs(Q)))
-        if before is not None and difference(Q, before) <= RADIAL_PART * solver.rtol * scale:
-            return N_rho - 2, scale
+    for N_rho in range(4, LARGEST_N_RHO + 1, 2):
+        plan = describe_plan(scene, solver, [1] * N_rho)
+        operator = planned_operator(scene, solver, plan)
+        Q = operator(f)
+        if before is not None and difference(Q, before) <= tolerance * magnitude(operator, f, Q):
+            return N_rho - 2
         before = Q
     raise ToleranceError(
         f"rtol={solver.rtol!r}: {LARGEST_N_RHO} shells do not reach it on N={solver.N}; "
-        "take a larger N or rtol"
+        "take a larger N or a larger rtol"
     )
 
 
@@ -162,12 +194,12 @@ def _choose_grid(
     assert solver.rtol is not None
     sizes = [n for n in SIZES if plan.n <= n < solver.N]
     if sizes:
-        Q = planned_operator(scene, solver, replace(plan, n=solver.N))(f)
+        operator = planned_operator(scene, solver, replace(plan, n=solver.N))
+        Q = operator(f)
+        scale = magnitude(operator, f, Q)
         for n in sizes:
             smaller = planned_operator(scene, solver, replace(plan, n=n))
-            change = float(np.max(np.abs(smaller(f) - Q)) / np.max(np.abs(Q)))
+            change = float(np.max(np.abs(smaller(f) - Q))) / scale
             if change <= GRID_PART * solver.rtol:
-                return replace(
-                    plan, n=n, transforms=smaller.transforms, error=plan.error + change
-                )
+                return replace(plan, n=n, transforms=smaller.transforms, error=plan.error + change)
     return replace(plan, n=solver.N, transforms=2 * plan.nodes + 3)

@@ -30,8 +30,8 @@ class Shells:
     def contributions(self, radial: Rule, levels: Sequence[int | None]) -> np.ndarray:
         """Each shell's part of Q with the ladder's rule of its level (None: left out, zero).
 
-        Shape (shells, N^d), of the modes that aliasing does not reach (`unaliased`). For the variant ``separate`` the loss, which has no quadrature error, is no
-        part of it.
+        Shape (shells, N^d), of the modes that aliasing does not reach (`unaliased`). For the variant
+        ``separate`` the loss, which has no quadrature error, is no part of it.
         """
         steps = [None if level is None else self.ladder.steps[level] for level in levels]
         reduced = [None if step is None else step.reduced for step in steps]
@@ -44,7 +44,8 @@ class Shells:
             shell = int(nodes.shells[start])
             Q = self._values(unaliased(part))
             if self.solver.variant == "full":
-                pairs = [step.pairs if i == shell else None for i, step in enumerate(steps)]
+                pairs: list[Rule | None] = [None] * len(steps)
+                pairs[shell] = self.ladder.steps[int(levels[shell] or 0)].pairs
                 loss = nodal_loss(self.grid, place_nodes(self.scene, self.grid, radial, pairs))
                 Q -= self._low_pass(
                     self._f * self._values(spectrum_axes(self.grid, loss) * self._f_hat)

@@ -46,7 +46,8 @@ def ladder(dim: int, group: Symmetry) -> Ladder:
     """Lebedev's rules (3D) or circles (2D) that keep a scene's group.
 
     Lebedev's rules keep every group there is; circles of 4m points too, others may not. Where the group
-    saves nothing over pairs ±ĝ on any rule it is {1}.
+    saves nothing over pairs ±ĝ on any rule it is {1}. A rule is left out where a larger one has no more
+    orbits.
     """
     name = "circle" if dim == 2 else "lebedev"
     rules = (
@@ -56,6 +57,11 @@ def ladder(dim: int, group: Symmetry) -> Ladder:
     )
     rules = [rule for rule in rules if invariance(rule, group) == group]
     steps = [Step(len(rule), half(rule), representatives(rule, group)) for rule in rules]
+    steps = [
+        step
+        for i, step in enumerate(steps)
+        if all(len(step.reduced) < len(better.reduced) for better in steps[i + 1 :])
+    ]
     if all(len(step.reduced) == len(step.pairs) for step in steps):
         group = Symmetry.named(dim, "none")
         steps = [Step(step.size, step.pairs, step.pairs) for step in steps]
