@@ -60,7 +60,7 @@ class NodalOperator:
             raise ValueError(f"density has type {f.dtype}: method 'fast' takes real densities")
         self.group.spot_check(f, "the density")
         f = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
-        f_hat = self._single.forward(f) / f.size
+        f_hat = self._single.forward(f)
         Q = self._single.backward(self._gain_spectrum(f, f_hat))
         Q -= self._loss_part(f, f_hat)
         # The loss has the symmetry already; with it, round-off that has not stays as small as it is.
@@ -69,7 +69,7 @@ class NodalOperator:
     def loss(self, f: np.ndarray) -> np.ndarray:
         """Q⁻(f,f) alone."""
         wide = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
-        return self._loss_part(wide, self._single.forward(wide) / f.size).reshape(f.shape)
+        return self._loss_part(wide, self._single.forward(wide)).reshape(f.shape)
 
     def _loss_part(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
         return f * self._single.backward(self._loss * f_hat)
@@ -77,10 +77,9 @@ class NodalOperator:
     def _gain_spectrum(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
         n = self.gain.grid.N
         if n == self.grid.N:
-            return self.gain.parts(f, f_hat).sum(axis=0)
+            return self.gain.total(f, f_hat)
         f_hat = resize(f_hat, n)
-        parts = self.gain.parts(self._inner.backward(f_hat), f_hat)
-        return resize(parts.sum(axis=0), self.grid.N)
+        return resize(self.gain.total(self._inner.backward(f_hat), f_hat), self.grid.N)
 
     def transform(self) -> None:
         """Make the transforms of one call on the same threads and nothing else, for benchmarks."""

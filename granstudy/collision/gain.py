@@ -60,6 +60,8 @@ class GainSum:
         largest = max(1, BATCH_BYTES // (8 * grid.N**grid.dim))
         # Equal batches: no transform is spent on padding but in the last share.
         self._batch = -(-longest // -(-longest // largest))
+        self._displacements = -nodes.vectors
+        self._weights = nodes.weights / grid.N**grid.dim  # transforms are unnormalised
         # A shell's sum is closed where the next node lies on another shell or in another share.
         self._ends = np.zeros(len(nodes), dtype=bool)
         self._ends[nodes.ends[: len(nodes)] - 1] = True
@@ -79,23 +81,30 @@ class GainSum:
         f_re, f_im = (
             np.ascontiguousarray(part).reshape(self.grid.N, -1) for part in (f_hat.real, f_hat.imag)
         )
-        gains = np.zeros((len(self.shares), *f_hat.shape), dtype=np.complex128)
+        gains = np.empty((len(self.shares), *f_hat.shape), dtype=np.complex128)
         views = gains.view(np.float64).reshape(len(self.shares), self.grid.N, -1)
 
         def sum_share(item: tuple[Bounds, np.ndarray], work: "_Workspace") -> None:
             (start, stop), gain = item
+            gain[...] = 0.0
             transforms = work.transforms
             for first in range(start, stop, self._batch):
                 part = slice(first, min(first + self._batch, stop))
-                kernels.shift(f_re, f_im, -self.nodes.vectors[part], transforms.parts)
+                kernels.shift(f_re, f_im, self._displacements[part], transforms.parts)
                 transforms.execute_backward()
                 kernels.multiply(transforms.density, f)
                 transforms.execute_forward()
                 self._accumulate(work, part, gain)
 
         list(self._workers.map(sum_share, list(zip(self.shares, views, strict=True))))
-        gains /= f.size
         return gains
+
+    def total(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
+        """The sum over all nodes, as `parts`."""
+        parts = self.parts(f, f_hat)
+        for part in parts[1:]:
+            parts[0] += part
+        return parts[0]
 
     def transform(self) -> None:
         """Make the transforms of one sum on the same threads and nothing else, for benchmarks."""
@@ -128,7 +137,7 @@ class GainSum:
         kernels.accumulate_pairs(
             work.transforms.parts,
             self.nodes.vectors[part],
-            self.nodes.weights[part],
+            self._weights[part],
             self.nodes.shells[part],
             self._ends[part],
             beta,
@@ -151,7 +160,7 @@ class GainSum:
         kernels.accumulate_series(
             work.transforms.parts,
             self.nodes.vectors[part],
-            self.nodes.weights[part],
+            self._weights[part],
             self.nodes.shells[part],
             series,
             self._place,

@@ -13,7 +13,7 @@ class Transforms:
     """Real transforms of a batch of densities in place, planned once on an aligned buffer.
 
     Arrays have three axes in both dimensions, the second of length 1 in 2D. In place, a transform of 32³
-    points stays in a core's cache. Unnormalised.
+    points stays in a core's cache. The planned transforms are unnormalised.
 
     Attributes
     ----------
@@ -39,13 +39,13 @@ class Transforms:
         ).execute
 
     def forward(self, density: np.ndarray) -> np.ndarray:
-        """Transform one density; the result is a copy."""
+        """f̂ of one density, Σ_k f̂_k e^{..} = f, as a copy."""
         self.density[0] = density
         self.execute_forward()
-        return self.spectrum[0].copy()
+        return self.spectrum[0] * (1.0 / density.size)
 
     def backward(self, spectrum: np.ndarray) -> np.ndarray:
-        """Transform one spectrum; the result is a copy."""
+        """The density with one spectrum, as a copy."""
         self.spectrum[0] = spectrum
         self.execute_backward()
         return self.density[0].copy()
