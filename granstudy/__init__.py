@@ -5,6 +5,7 @@ from granstudy.collision import CollisionOperator, collision_operator
 from granstudy.collision.plan import QuadraturePlan
 from granstudy.dataset import read_dataset, write_dataset
 from granstudy.evolve import simulate
+from granstudy.fit import fit_solver
 from granstudy.grid import VelocityGrid
 from granstudy.kernel import VHS, Viscoelastic, hard_spheres, maxwell
 from granstudy.moments import moments
@@ -25,6 +26,7 @@ __all__ = [
     "Viscoelastic",
     "collision_operator",
     "final_values",
+    "fit_solver",
     "hard_spheres",
     "load_scene",
     "maxwell",

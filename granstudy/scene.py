@@ -19,8 +19,8 @@ from granstudy.initial import (
     Maxwellian,
 )
 from granstudy.kernel import VHS, Restitution, check_restitution, maxwell
-from granstudy.velocity_space import VelocitySpace
 from granstudy.symmetry import Symmetry
+from granstudy.velocity_space import VelocitySpace
 
 INITIAL_DENSITIES: dict[str, Callable[..., InitialDensity]] = {
     "bkw2d": Bkw2D,

@@ -32,6 +32,9 @@ class QuadraturePlan:
         Real transforms of n^d points that one evaluation of Q makes.
     error : float
         Estimate of Q's quadrature error over max|Q|, for the density that it was made for.
+    moment_error : float
+        Its mass, momentum and energy: largest |∫φ (Q − Q_exact)| over ∫|φ Q|, φ = 1, v_i, |v|². A few
+        times ``error`` as a rule; the variant ``full`` has no error of mass.
     aliasing : float
         Estimate of the error that no quadrature removes, as the products wrap around the spectrum of N
         modes; it takes a larger N.
@@ -48,6 +51,7 @@ class QuadraturePlan:
     nodes: int
     transforms: int
     error: float
+    moment_error: float
     aliasing: float
 
     @property
@@ -68,7 +72,7 @@ class QuadraturePlan:
         ]
         return (
             f"QuadraturePlan: error {self.error:.1e} of max|Q| for rtol {self.rtol:.1e}"
-            f", aliasing {self.aliasing:.1e}\n"
+            f" (moments {self.moment_error:.1e}), aliasing {self.aliasing:.1e}\n"
             f"  ρ {rows[0]}\n"
             f"  M {rows[1]}\n"
             f"  {sum(self.sizes)} nodes ({self.rule}), symmetry {self.symmetry!r}: {self.nodes} "

@@ -72,6 +72,7 @@ def describe_plan(scene: Scene, solver: Solver, levels: list[int | None]) -> Qua
         nodes=nodes,
         transforms=2 * nodes + 3,
         error=float("nan"),
+        moment_error=float("nan"),
         aliasing=float("nan"),
     )
 
@@ -93,6 +94,13 @@ def quadrature_error(operator: NodalOperator, finer: NodalOperator, f: np.ndarra
     """max|Q − Q_finer| / max|Q_finer| at a density, on the modes that aliasing does not reach."""
     Q = finer(f)
     return difference(operator(f), Q) / magnitude(finer, f, Q)
+
+
+def moment_error(grid: VelocityGrid, Q: np.ndarray, other: np.ndarray) -> float:
+    """Largest |∫φ (Q − other) dv| / ∫|φ other| dv of φ = 1, v_i, |v|²."""
+    v = grid.velocities()
+    tests = [np.ones(1), *v, sum(vi**2 for vi in v)]
+    return max(float(np.abs(np.sum(t * (Q - other))) / np.sum(np.abs(t * other))) for t in tests)
 
 
 def magnitude(operator: NodalOperator, f: np.ndarray, Q: np.ndarray) -> float:

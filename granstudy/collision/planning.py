@@ -7,6 +7,7 @@ errors stays under rtol·max|Q| (docs/method.md §2, fact 5). A finer quadrature
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import scipy.fft
@@ -19,8 +20,8 @@ from granstudy.collision.planned import (
     describe_plan,
     difference,
     magnitude,
+    moment_error,
     planned_operator,
-    quadrature_error,
     refine,
     shell_radii,
 )
@@ -74,7 +75,8 @@ def make_plan(scene: Scene, solver: Solver, f: np.ndarray) -> QuadraturePlan:
     assert solver.rtol is not None
     for n, f_n in resolving_grids(solver.grid(scene.dim), f, RESOLVED * solver.rtol):
         small = replace(solver, N=n)
-        noise, aliasing, scale = _aliasing(scene, small, f_n)
+        probe = aliasing(scene, small, f_n)
+        noise, scale = probe.kept, probe.scale
         if noise <= QUIET * solver.rtol:
             break
     if noise > solver.rtol:
@@ -82,18 +84,22 @@ def make_plan(scene: Scene, solver: Solver, f: np.ndarray) -> QuadraturePlan:
     N_rho = _radial_size(scene, small, f_n, RADIAL_PART * solver.rtol + noise / 2)
     settled = (SETTLED * solver.rtol + noise / 10) * scale
     bound = (TARGET - RADIAL_PART) * solver.rtol * scale
-    error = np.inf
+    parts, costs = _measure(scene, small, f_n, N_rho, settled)
     for _ in range(ATTEMPTS):
-        parts, costs = _measure(scene, small, f_n, N_rho, settled)
         choices = allocate([sampled(part - part[-1]) for part in parts], costs, bound)
         plan = describe_plan(scene, small, [choice - 1 if choice else None for choice in choices])
         finer = planned_operator(scene, small, refine(scene, small, plan))
-        error = quadrature_error(planned_operator(scene, small, plan), finer, f_n)
+        Q, Q_finer = planned_operator(scene, small, plan)(f_n), finer(f_n)
+        error = difference(Q, Q_finer) / magnitude(finer, f_n, Q_finer)
         if error <= TARGET * solver.rtol:
-            plan = replace(plan, N=solver.N, error=error, aliasing=aliasing)
+            moments = moment_error(finer.grid, Q, Q_finer)
+            plan = replace(
+                plan, N=solver.N, error=error, moment_error=moments, aliasing=probe.everywhere
+            )
             return _choose_grid(scene, solver, plan, f)
         if error > solver.rtol:
             N_rho += 1
+            parts, costs = _measure(scene, small, f_n, N_rho, settled)
         bound *= min(0.7, TARGET * solver.rtol / error)
     raise _unreachable(solver, error)
 
@@ -105,12 +111,28 @@ def _unreachable(solver: Solver, error: float) -> ToleranceError:
     )
 
 
-def _aliasing(scene: Scene, solver: Solver, f: np.ndarray) -> tuple[float, float, float]:
-    """How much a fixed quadrature changes with the signs of its nodes, and max|Q|.
+class Aliasing(NamedTuple):
+    """How much a fixed quadrature changes with the signs of its nodes, over max|Q|.
 
-    But for aliasing it does not matter which of ±g is evaluated. The change over max|Q|: on the modes that
-    quadratures are compared on, and on all.
+    But for aliasing it does not matter which of ±g is evaluated.
+
+    Attributes
+    ----------
+    kept : float
+        On the modes that quadratures are compared on.
+    everywhere : float
+        On all modes.
+    scale : float
+        max|Q|.
     """
+
+    kept: float
+    everywhere: float
+    scale: float
+
+
+def aliasing(scene: Scene, solver: Solver, f: np.ndarray) -> Aliasing:
+    """Measure the aliasing of Q(f,f) on the solver's grid."""
     scene = replace(scene, symmetry=Symmetry.named(scene.dim, "none"))
     operator = planned_operator(scene, solver, describe_plan(scene, solver, [PROBE] * PROBE_SHELLS))
     Q = operator(f)
@@ -118,7 +140,7 @@ def _aliasing(scene: Scene, solver: Solver, f: np.ndarray) -> tuple[float, float
     operator.gain = GainSum(scene, operator.gain.grid, flipped, solver.thread_count)
     other = operator(f)
     scale = magnitude(operator, f, Q)
-    return difference(Q, other) / scale, float(np.max(np.abs(Q - other))) / scale, scale
+    return Aliasing(difference(Q, other) / scale, float(np.max(np.abs(Q - other))) / scale, scale)
 
 
 def resolving_grids(

@@ -11,7 +11,7 @@ from comparison import BOXES, asymmetric_scene, evaluate, relative_error
 import granstudy as gs
 from granstudy.collision.allocation import allocate
 from granstudy.collision.operator import ToleranceError, TunedOperator
-from granstudy.collision.planned import difference
+from granstudy.collision.planned import difference, moment_error
 from granstudy.collision.planning import resolving_grids
 from granstudy.quadrature.ladder import ladder
 from granstudy.symmetry import NAMED
@@ -43,6 +43,8 @@ def test_the_error_is_what_was_asked_for(dim, exponent, tolerances, variant):
         # not above it, not far below it, and the estimate is the error
         assert 0.02 * rtol < error <= rtol, operator.plan
         assert 0.5 * error < operator.plan.error < 2 * error + 1e-7, operator.plan
+        moments = moment_error(operator.grid, Q, reference)
+        assert 0.3 * moments < operator.plan.moment_error + 1e-7 < 3 * moments + 1e-6
         assert operator.transforms == operator.plan.transforms == 2 * operator.plan.nodes + 3
         nodes.append(operator.plan.nodes)
     assert nodes[0] < nodes[1] < nodes[2], nodes
