@@ -31,8 +31,8 @@ def fit_solver(scene: Scene, rtol: float, **settings: Any) -> Solver:
     """A solver with N, R and the quadrature chosen for a scene and a tolerance.
 
     R: collisions of particles further apart than R exchange no more than rtol of all energy,
-    ∫_{|g|>R} |g|^{2+λ} a(g) dg ≤ rtol ∫ |g|^{2+λ} a(g) dg with a(g) = ∫ f(v) f(v−g) dv. N: the fewest points for
-    which aliasing changes Q by no more than rtol·max|Q|.
+    ∫_{|g|>R} |g|^{2+λ} a(g) dg ≤ rtol ∫ |g|^{2+λ} a(g) dg with a(g) = ∫ f(v) f(v−g) dv. N: the
+    fewest points for which aliasing changes Q by no more than rtol·max|Q|.
 
     Parameters
     ----------

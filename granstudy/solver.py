@@ -43,10 +43,10 @@ class Solver:
     radial_rule : str
         ``legendre`` (the paper) or ``jacobi`` (spectral for every λ).
     rtol : float or None
-        For `fast`: tolerance of Q's quadrature error over max|Q| (near an equilibrium, where Q vanishes,
-        over a hundredth of the loss), in (0, 1). The shells and the rule of
-        each are then chosen for the scene, and N_rho, M_sph, M_cir, sphere_rule and radial_rule are left
-        alone.
+        For `fast`: tolerance in (0, 1) of Q's quadrature error over max|Q| (near an equilibrium, where Q
+        vanishes, over a hundredth of the loss), and half that of its mass, momentum and energy over those
+        of |Q|. The shells and the rule of each are then chosen for the scene, and N_rho, M_sph, M_cir,
+        sphere_rule and radial_rule are left alone.
     circular : bool
         For `direct`: whether l+m wraps around the spectrum, as products on the grid do.
     threads : int or None

@@ -44,6 +44,6 @@ class Tuning:
         except ToleranceError as reason:
             if error <= rtol:
                 return {}
-            return {"rtol": f"the quadrature error of Q is {error:.1e} of max|Q|: {reason}"}
+            return {"rtol": f"the quadrature error of Q is {error:.1e}: {reason}"}
         self._record(time)
         return {}

@@ -17,8 +17,8 @@ def test_the_cooling_rate_follows_the_tolerance(name):
         f = scene.density(operator.grid)
         v2 = sum(v**2 for v in operator.grid.velocities())
         rate = np.sum(v2 * operator(f)) / np.sum(v2 * f)
-        # dT/dt = −(1−e²)/4 T; the moments' error is a few times that of Q (QuadraturePlan)
-        assert rate == pytest.approx(-(1 - 0.25) / 4, rel=10 * solver.rtol), operator.plan
+        # dT/dt = −(1−e²)/4 T
+        assert rate == pytest.approx(-(1 - 0.25) / 4, rel=4 * solver.rtol), operator.plan
 
 
 def test_hotter_and_moving_gases_get_larger_boxes():
@@ -29,7 +29,7 @@ def test_hotter_and_moving_gases_get_larger_boxes():
         for T, u in ((0.5, (0.0, 0.0)), (2.0, (0.0, 0.0)), (2.0, (6.0, 0.0)))
     ]
     assert radii[0] * 1.8 < radii[1] < radii[0] * 2.2
-    assert radii[2] > radii[1] + 2
+    assert radii[2] > radii[1] + 1.5
 
 
 def test_other_settings_are_kept():

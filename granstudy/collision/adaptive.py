@@ -10,7 +10,7 @@ from granstudy.solver import Solver
 
 
 class AdaptiveOperator:
-    """Q(f,f) with a quadrature error under rtol·max|Q| at the density it is tuned for.
+    """Q(f,f) with a quadrature error under rtol at the density it is tuned for.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class AdaptiveOperator:
         self.operator.transform()
 
     def check(self, f: np.ndarray) -> float:
-        """Quadrature error of Q(f,f) over max|Q|, by a finer quadrature: a few evaluations' time."""
+        """The error at a density that rtol bounds, by a finer quadrature: a few evaluations' time."""
         return quadrature_error(self.operator, self._finer, f)
 
     def tune(self, f: np.ndarray) -> QuadraturePlan:

@@ -4,11 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-SAMPLES = 4096
-"""Points of the grid, evenly spread, at which errors are added up while choosing."""
 
-
-def allocate(errors: Sequence[np.ndarray], costs: Sequence[np.ndarray], bound: float) -> list[int]:
+def allocate(
+    errors: Sequence[np.ndarray], costs: Sequence[np.ndarray], bound: float, weights: np.ndarray
+) -> list[int]:
     """One choice a shell with max|Σ_i errors_i[choice_i]| ≤ bound.
 
     Greedy on J = ‖Σ_i e_i‖² + Σ_i ‖e_i‖²: the first term knows that errors of different shells cancel or
@@ -21,12 +20,14 @@ def allocate(errors: Sequence[np.ndarray], costs: Sequence[np.ndarray], bound: f
     errors : sequence of ndarray, shape (choices, points)
         For every shell the error of each choice, cheapest first; the last one is about 0.
     costs : sequence of ndarray, shape (choices,)
+    weights : ndarray, shape (points,)
+        Of the squares in the norm.
     """
     chosen = [0] * len(errors)
     total = np.sum([e[0] for e in errors], axis=0)
-    squares = [np.einsum("cp,cp->c", e, e) for e in errors]
+    squares = [e**2 @ weights for e in errors]
     while np.max(np.abs(total)) > bound:
-        step = _best_step(errors, squares, costs, chosen, total)
+        step = _best_step(errors, squares, costs, chosen, total, weights)
         if step is None:  # nothing left that helps: all that there is
             return [len(cost) - 1 for cost in costs]
         shell, choice = step
@@ -52,6 +53,7 @@ def _best_step(
     costs: Sequence[np.ndarray],
     chosen: Sequence[int],
     total: np.ndarray,
+    weights: np.ndarray,
 ) -> tuple[int, int] | None:
     """The shell and the dearer choice by which J falls most a unit of cost."""
     best, best_gain = None, 0.0
@@ -61,8 +63,8 @@ def _best_step(
             continue
         change = errors[shell][more] - errors[shell][now]
         fall = -(
-            2 * change @ total
-            + np.einsum("cp,cp->c", change, change)
+            2 * change @ (weights * total)
+            + change**2 @ weights
             + squares[shell][more]
             - squares[shell][now]
         )
@@ -70,8 +72,3 @@ def _best_step(
         if gain.max() > best_gain:
             best, best_gain = (shell, int(more[np.argmax(gain)])), gain.max()
     return best
-
-
-def sampled(values: np.ndarray) -> np.ndarray:
-    """Evenly spread columns, `SAMPLES` at most."""
-    return values[:, :: max(1, -(-values.shape[1] // SAMPLES))]

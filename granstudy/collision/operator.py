@@ -66,7 +66,7 @@ class TunedOperator(CollisionOperator, Protocol):
     plan: "QuadraturePlan"
 
     def check(self, f: np.ndarray) -> float:
-        """Quadrature error of Q(f,f) over max|Q|, by a finer quadrature."""
+        """The error of Q(f,f) that the tolerance bounds, by a finer quadrature."""
 
     def tune(self, f: np.ndarray) -> "QuadraturePlan":
         """Choose the quadrature anew, for this density."""

@@ -13,7 +13,7 @@ class QuadraturePlan:
     ----------
     dim : int
     rtol : float
-        The tolerance: of the quadrature error of Q, over max|Q|.
+        The tolerance (`Solver.rtol`).
     N : int
         Points a dimension of the scene's grid.
     n : int
@@ -31,10 +31,7 @@ class QuadraturePlan:
     transforms : int
         Real transforms of n^d points that one evaluation of Q makes.
     error : float
-        Estimate of Q's quadrature error over max|Q|, for the density that it was made for.
-    moment_error : float
-        Its mass, momentum and energy: largest |∫φ (Q − Q_exact)| over ∫|φ Q|, φ = 1, v_i, |v|². A few
-        times ``error`` as a rule; the variant ``full`` has no error of mass.
+        Estimate of what ``rtol`` bounds, for the density that it was made for.
     aliasing : float
         Estimate of the error that no quadrature removes, as the products wrap around the spectrum of N
         modes; it takes a larger N.
@@ -51,7 +48,6 @@ class QuadraturePlan:
     nodes: int
     transforms: int
     error: float
-    moment_error: float
     aliasing: float
 
     @property
@@ -71,8 +67,8 @@ class QuadraturePlan:
             for row in (0, 1)
         ]
         return (
-            f"QuadraturePlan: error {self.error:.1e} of max|Q| for rtol {self.rtol:.1e}"
-            f" (moments {self.moment_error:.1e}), aliasing {self.aliasing:.1e}\n"
+            f"QuadraturePlan: error {self.error:.1e} for rtol {self.rtol:.1e}"
+            f", aliasing {self.aliasing:.1e}\n"
             f"  ρ {rows[0]}\n"
             f"  M {rows[1]}\n"
             f"  {sum(self.sizes)} nodes ({self.rule}), symmetry {self.symmetry!r}: {self.nodes} "

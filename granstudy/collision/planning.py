@@ -2,7 +2,8 @@
 
 The quadrature error of Q is a sum over shells. For one density it is measured: every shell's part of Q is
 computed with rules of growing size until it settles, and the rules are chosen so that the sum of the
-errors stays under rtol·max|Q| (docs/method.md §2, fact 5). A finer quadrature then verifies the choice.
+errors, and their moments, stay under rtol (docs/method.md §2, fact 5). A finer quadrature then verifies
+the choice.
 """
 
 from collections.abc import Iterator
@@ -12,16 +13,17 @@ from typing import NamedTuple
 import numpy as np
 import scipy.fft
 
-from granstudy.collision.allocation import allocate, sampled
+from granstudy.collision.allocation import allocate
 from granstudy.collision.gain import GainSum
 from granstudy.collision.operator import ToleranceError
 from granstudy.collision.plan import QuadraturePlan
 from granstudy.collision.planned import (
+    ErrorScale,
     describe_plan,
     difference,
     magnitude,
-    moment_error,
     planned_operator,
+    quadrature_error,
     refine,
     shell_radii,
 )
@@ -65,7 +67,7 @@ ATTEMPTS = 5
 
 
 def make_plan(scene: Scene, solver: Solver, f: np.ndarray) -> QuadraturePlan:
-    """The cheapest quadrature found with an error of Q(f,f) under rtol·max|Q|.
+    """The cheapest quadrature found with an error of Q(f,f) and its moments under rtol (`ErrorScale`).
 
     Raises
     ------
@@ -76,32 +78,37 @@ def make_plan(scene: Scene, solver: Solver, f: np.ndarray) -> QuadraturePlan:
     for n, f_n in resolving_grids(solver.grid(scene.dim), f, RESOLVED * solver.rtol):
         small = replace(solver, N=n)
         probe = aliasing(scene, small, f_n)
-        noise, scale = probe.kept, probe.scale
+        noise = probe.kept
         if noise <= QUIET * solver.rtol:
             break
     if noise > solver.rtol:
         raise _unreachable(solver, noise)
     N_rho = _radial_size(scene, small, f_n, RADIAL_PART * solver.rtol + noise / 2)
-    settled = (SETTLED * solver.rtol + noise / 10) * scale
-    bound = (TARGET - RADIAL_PART) * solver.rtol * scale
+    settled = (SETTLED * solver.rtol + noise / 10) * probe.scale
+    bound = (TARGET - RADIAL_PART / 2) * solver.rtol
+    best: QuadraturePlan | None = None
     parts, costs = _measure(scene, small, f_n, N_rho, settled)
+    scale = ErrorScale(small.grid(scene.dim), probe.Q, probe.scale)
     for _ in range(ATTEMPTS):
-        choices = allocate([sampled(part - part[-1]) for part in parts], costs, bound)
+        samples = [scale.samples(part - part[-1]) for part in parts]
+        choices = allocate([errors for errors, _ in samples], costs, bound, samples[0][1])
         plan = describe_plan(scene, small, [choice - 1 if choice else None for choice in choices])
         finer = planned_operator(scene, small, refine(scene, small, plan))
-        Q, Q_finer = planned_operator(scene, small, plan)(f_n), finer(f_n)
-        error = difference(Q, Q_finer) / magnitude(finer, f_n, Q_finer)
+        error = quadrature_error(planned_operator(scene, small, plan), finer, f_n)
+        stuck = best is not None and error > 0.8 * best.error
+        if best is None or error < best.error:
+            best = replace(plan, N=solver.N, error=error, aliasing=probe.everywhere)
         if error <= TARGET * solver.rtol:
-            moments = moment_error(finer.grid, Q, Q_finer)
-            plan = replace(
-                plan, N=solver.N, error=error, moment_error=moments, aliasing=probe.everywhere
-            )
-            return _choose_grid(scene, solver, plan, f)
-        if error > solver.rtol:
+            break
+        if stuck or error > solver.rtol:  # better rules do not help, so it is the radii
             N_rho += 1
             parts, costs = _measure(scene, small, f_n, N_rho, settled)
-        bound *= min(0.7, TARGET * solver.rtol / error)
-    raise _unreachable(solver, error)
+        else:
+            bound *= TARGET * solver.rtol / error
+    assert best is not None
+    if best.error <= solver.rtol:
+        return _choose_grid(scene, solver, best, f)
+    raise _unreachable(solver, best.error)
 
 
 def _unreachable(solver: Solver, error: float) -> ToleranceError:
@@ -122,12 +129,15 @@ class Aliasing(NamedTuple):
         On the modes that quadratures are compared on.
     everywhere : float
         On all modes.
+    Q : ndarray
+        Q(f,f) with that quadrature.
     scale : float
-        max|Q|.
+        Its `magnitude`.
     """
 
     kept: float
     everywhere: float
+    Q: np.ndarray
     scale: float
 
 
@@ -140,7 +150,8 @@ def aliasing(scene: Scene, solver: Solver, f: np.ndarray) -> Aliasing:
     operator.gain = GainSum(scene, operator.gain.grid, flipped, solver.thread_count)
     other = operator(f)
     scale = magnitude(operator, f, Q)
-    return Aliasing(difference(Q, other) / scale, float(np.max(np.abs(Q - other))) / scale, scale)
+    changed = Q - other
+    return Aliasing(difference(changed) / scale, float(np.max(np.abs(changed))) / scale, Q, scale)
 
 
 def resolving_grids(
@@ -174,7 +185,9 @@ def _radial_size(scene: Scene, solver: Solver, f: np.ndarray, tolerance: float) 
         plan = describe_plan(scene, solver, [1] * N_rho)
         operator = planned_operator(scene, solver, plan)
         Q = operator(f)
-        if before is not None and difference(Q, before) <= tolerance * magnitude(operator, f, Q):
+        if before is not None and (
+            ErrorScale(operator.grid, Q, magnitude(operator, f, Q)).error(Q - before) <= tolerance
+        ):
             return N_rho - 2
         before = Q
     raise ToleranceError(
