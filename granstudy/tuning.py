@@ -9,6 +9,9 @@ from granstudy.collision.operator import CollisionOperator, ToleranceError, Tune
 CHECK_EVERY = 50
 """Steps between checks: one costs about as much as a step of the Runge–Kutta scheme."""
 
+FIRST_CHECK = 10
+"""Step of a first check: densities change fastest at the start."""
+
 EASED = 0.1
 """Part of the tolerance under which a quadrature has become finer than it need be."""
 
@@ -32,9 +35,10 @@ class Tuning:
             self.plans.append({"time": time, **self._operator.plan.describe()})
 
     def review(self, step: int, time: float, f: np.ndarray) -> dict[str, str]:
-        """Every `CHECK_EVERY` steps: tune again where needed. Returns warnings by name."""
+        """At `FIRST_CHECK` and every `CHECK_EVERY` steps: tune again where needed. Warnings by name."""
         operator = self._operator
-        if operator is None or step == 0 or step % CHECK_EVERY:
+        due = step == FIRST_CHECK or (step > 0 and step % CHECK_EVERY == 0)
+        if operator is None or not due:
             return {}
         error, rtol = operator.check(f), operator.plan.rtol
         if EASED * rtol <= error <= rtol:

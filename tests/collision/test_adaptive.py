@@ -149,7 +149,7 @@ def test_a_run_tunes_again_and_says_so():
     fixed = gs.Solver(N=40, R=8.0, M_cir=24, N_rho=18)
     fine = gs.simulate(scene, fixed, **time)
     assert "quadrature" not in fine.attrs
-    assert np.max(np.abs(ds["temperature"] - fine["temperature"])) < 5e-4
+    assert np.max(np.abs(ds["temperature"] - fine["temperature"])) < 1e-3
 
 
 def test_a_grid_too_coarse_for_the_tolerance():
