@@ -18,7 +18,8 @@ from granstudy.collision.gain import GainSum
 from granstudy.collision.nodes import Nodes, place_nodes
 from granstudy.collision.operator import check_state
 from granstudy.collision.rules import directions, radial_nodes
-from granstudy.collision.transforms import Transforms, resize
+from granstudy.collision.spectra import resize
+from granstudy.collision.transforms import RealTransforms
 from granstudy.collision.weights import loss_weight
 from granstudy.grid import VelocityGrid
 from granstudy.quadrature import Rule, half
@@ -49,8 +50,8 @@ class NodalOperator:
         self.group = group
         self._loss = loss
         self._shape = (grid.N, grid.N if grid.dim == 3 else 1, grid.N)
-        self._single = Transforms(1, self._shape)
-        self._inner = self._single if gain.grid == grid else Transforms(1, gain.shape)
+        self._single = RealTransforms(1, self._shape)
+        self._inner = self._single if gain.grid == grid else RealTransforms(1, gain.shape)
         self.transforms = gain.transforms + (3 if gain.grid == grid else 4)
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
@@ -60,7 +61,7 @@ class NodalOperator:
             raise ValueError(f"density has type {f.dtype}: method 'fast' takes real densities")
         self.group.spot_check(f, "the density")
         f = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
-        f_hat = self._single.forward(f)
+        f_hat = self._spectrum(f)
         Q = self._single.backward(self._gain_spectrum(f, f_hat))
         Q -= self._loss_part(f, f_hat)
         # The loss has the symmetry already; with it, round-off that has not stays as small as it is.
@@ -69,7 +70,13 @@ class NodalOperator:
     def loss(self, f: np.ndarray) -> np.ndarray:
         """Q⁻(f,f) alone."""
         wide = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
-        return self._loss_part(wide, self._single.forward(wide)).reshape(f.shape)
+        return self._loss_part(wide, self._spectrum(wide)).reshape(f.shape)
+
+    def _spectrum(self, f: np.ndarray) -> np.ndarray:
+        """f̂ with Σ_k f̂_k e^{iπk·v/L} = f."""
+        f_hat = self._single.forward(f)
+        f_hat *= 1.0 / f.size
+        return f_hat
 
     def _loss_part(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
         return f * self._single.backward(self._loss * f_hat)

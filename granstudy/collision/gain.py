@@ -16,7 +16,7 @@ import numpy as np
 
 from granstudy.collision import kernels
 from granstudy.collision.nodes import Nodes
-from granstudy.collision.transforms import Transforms
+from granstudy.collision.transforms import RealTransforms
 from granstudy.collision.variable_restitution import pair_series
 from granstudy.collision.weights import alpha, sphere_mean
 from granstudy.collision.workers import SHARES, Workers
@@ -183,7 +183,7 @@ class _Workspace:
     """What one thread needs: a batch's transforms and the sum over the shell it is in."""
 
     def __init__(self, batch: int, shape: tuple[int, int, int]) -> None:
-        self.transforms = Transforms(batch, shape)
+        self.transforms = RealTransforms(batch, shape)
         modes = shape[1] * (shape[2] // 2 + 1)
         self.sum_re = np.zeros((shape[0], modes))
         self.sum_im = np.zeros((shape[0], modes))

@@ -10,7 +10,7 @@ from granstudy.collision.gain import GainSum
 from granstudy.collision.nodes import place_nodes
 from granstudy.collision.plan import QuadraturePlan
 from granstudy.collision.rules import converged_radial
-from granstudy.collision.transforms import unaliased
+from granstudy.collision.spectra import unaliased
 from granstudy.collision.weights import loss_weight
 from granstudy.grid import VelocityGrid
 from granstudy.quadrature import Rule, radial_rule

@@ -28,7 +28,7 @@ from granstudy.collision.planned import (
     shell_radii,
 )
 from granstudy.collision.shells import Shells
-from granstudy.collision.transforms import resize
+from granstudy.collision.spectra import resize
 from granstudy.grid import VelocityGrid
 from granstudy.quadrature.ladder import ladder
 from granstudy.scene import Scene

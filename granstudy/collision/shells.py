@@ -8,7 +8,7 @@ import scipy.fft
 from granstudy.collision.fast import nodal_loss, spectrum_axes
 from granstudy.collision.gain import GainSum
 from granstudy.collision.nodes import place_nodes
-from granstudy.collision.transforms import unaliased
+from granstudy.collision.spectra import unaliased
 from granstudy.quadrature import Rule
 from granstudy.quadrature.ladder import Ladder
 from granstudy.scene import Scene
