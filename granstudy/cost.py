@@ -8,7 +8,7 @@ from granstudy.collision.rules import directions
 from granstudy.scene import Scene
 from granstudy.solver import Solver
 
-SECONDS_PER_POINT = {"literal": 8.5e-10, "fast": 2.4e-10, "carleman": 1.9e-10}
+SECONDS_PER_POINT = {"literal": 8.5e-10, "fast": 2.0e-10, "carleman": 1.9e-10}
 """Of one transform of n points with the loops around it, per n·log2 n, on one core of a 2021 server."""
 
 SECONDS_PER_TRANSFORM = {"literal": 1.0e-6, "fast": 1.5e-6, "carleman": 1.5e-6}
@@ -25,6 +25,19 @@ SECONDS_PER_TERM = 2.0e-10
 
 SECONDS_PER_CALL = 1.0e-4
 """Of one evaluation by the radial method whatever its size, with its share of a step's moments and checks."""
+
+NODES_PER_DIGIT2 = {2: 2.5, 3: 10.0}
+"""Nodes ±g that a tolerance comes to, over the square of its digits log₁₀(1/rtol): a fit to densities that
+their grid resolves, within a factor 2."""
+
+PLANNING_MEMORY = 150
+"""Numbers a grid point that choosing a quadrature takes: the parts of all shells, rule by rule."""
+
+ORBIT_POWER = 0.6
+"""A symmetry group saves this power of its order: many orbits are smaller than the group."""
+
+PLANNING_EVALUATIONS = 12
+"""What choosing a quadrature costs, in evaluations with it."""
 
 INTERPRETER_MB = 300
 """Python with NumPy, SciPy, Numba and xarray loaded."""
@@ -52,12 +65,23 @@ def estimate(scene: Scene, solver: Solver, evaluations: int) -> Cost:
         return Cost(evaluations * n**2 * SECONDS_PER_PAIR, INTERPRETER_MB + _megabytes(40 * n))
     if solver.method == "carleman":
         return _carleman(scene, solver, evaluations)
-    assert solver.N_rho is not None
-    nodes = solver.N_rho * len(directions(scene, solver))
-    transforms = 2 * nodes if solver.method == "literal" else nodes
+    if solver.rtol is not None:
+        transforms = 2 * planned_nodes(scene, solver.rtol)
+        evaluations += PLANNING_EVALUATIONS
+        stored = PLANNING_MEMORY
+    else:
+        assert solver.N_rho is not None
+        nodes = solver.N_rho * len(directions(scene, solver))
+        transforms = 2 * nodes if solver.method == "literal" else nodes
+        stored = solver.N_rho if solver.method == "literal" else 0
     seconds = evaluations * transforms * _seconds_per_transform(solver.method, n)
-    memory = 40 * n + (solver.N_rho * n if solver.method == "literal" else 0)
-    return Cost(seconds, INTERPRETER_MB + _megabytes(memory))
+    return Cost(seconds, INTERPRETER_MB + _megabytes((40 + stored) * n))
+
+
+def planned_nodes(scene: Scene, rtol: float) -> int:
+    """Nodes that a tolerance is expected to come to; the plan itself is made when the run starts."""
+    pairs = NODES_PER_DIGIT2[scene.dim] * math.log10(1.0 / rtol) ** 2
+    return math.ceil(pairs / len(scene.symmetry) ** ORBIT_POWER)
 
 
 def _carleman(scene: Scene, solver: Solver, evaluations: int) -> Cost:

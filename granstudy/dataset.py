@@ -4,7 +4,7 @@ import hashlib
 import json
 import platform
 import subprocess
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from datetime import UTC, datetime
 from enum import IntEnum
 from functools import cache
@@ -48,20 +48,29 @@ def run_coordinates(scene: Scene, solver: Solver, dt: float | None = None) -> di
         "epsilon": float(scene.diffusion),
         "N": solver.N,
         "R": solver.R,
-        "N_rho": -1 if solver.N_rho is None else solver.N_rho,
     }
+    coordinates |= _quadrature_coordinates(scene, solver)
+    coordinates |= {"variant": solver.variant, "method": solver.method}
+    if solver.rtol is None:
+        if scene.dim == 3:
+            coordinates["sphere_rule"] = solver.sphere_rule
+        coordinates["radial_rule"] = solver.radial_rule
+    if dt is not None:
+        coordinates["dt"] = dt
+    return coordinates
+
+
+def _quadrature_coordinates(scene: Scene, solver: Solver) -> dict[str, Any]:
+    """The tolerance, or the sizes that it takes the place of."""
+    if solver.rtol is not None:
+        return {"rtol": float(solver.rtol)}
+    coordinates: dict[str, Any] = {"N_rho": -1 if solver.N_rho is None else solver.N_rho}
     if scene.dim == 3:
         coordinates["M_sph"] = int(np.prod(solver.M_sph))
         if isinstance(solver.M_sph, (tuple, list)):
             coordinates["N_theta"], coordinates["N_phi"] = solver.M_sph
     else:
         coordinates["M_cir"] = solver.M_cir
-    coordinates |= {"variant": solver.variant, "method": solver.method}
-    if scene.dim == 3:
-        coordinates["sphere_rule"] = solver.sphere_rule
-    coordinates["radial_rule"] = solver.radial_rule
-    if dt is not None:
-        coordinates["dt"] = dt
     return coordinates
 
 
@@ -75,13 +84,15 @@ def evolution_dataset(
     status: Status,
     reason: str,
     warnings: list[str],
+    plans: Sequence[dict[str, Any]] = (),
 ) -> xr.Dataset:
     """Dataset of a simulation: moments over ``time``, densities over ``snapshot``, status.
 
     Where an exact temperature law is known (Maxwell molecules, constant e) it holds two references and
     two errors: `temperature_error`, of the temperature divided by the density, against the law with that
     density; and `paper_temperature_error`, the paper's measure, of 2E/d against the law of unit density.
-    Both laws start from the discrete initial value.
+    Both laws start from the discrete initial value. ``plans`` are the quadratures that a tolerance came to,
+    each with the time it was in use from; they become the attribute `quadrature`.
     """
     time = dt * np.arange(len(history))
     components = list(COMPONENTS[: grid.dim])
@@ -123,18 +134,22 @@ def evolution_dataset(
         ds = ds.assign_coords(grid.coordinates())
         times = list(snapshots)
         ds = ds.assign_coords(snapshot=("snapshot", times, {"long_name": "time t", "units": "1"}))
-    return _finish(ds, scene, solver, dt, status, reason, warnings, "evolution")
+    return _finish(ds, scene, solver, dt, status, reason, warnings, "evolution", plans)
 
 
 def collision_dataset(
-    scene: Scene, solver: Solver, grid: VelocitySpace, Q: np.ndarray
+    scene: Scene,
+    solver: Solver,
+    grid: VelocitySpace,
+    Q: np.ndarray,
+    plans: Sequence[dict[str, Any]] = (),
 ) -> xr.Dataset:
     """Dataset of one evaluation Q(f0,f0) on the initial density, shape ``grid.shape``."""
     attributes = {"long_name": "collision operator Q(f0,f0)", "units": "1"}
     ds = xr.Dataset({"Q": (grid.axes, Q, attributes)}, coords=grid.coordinates())
     finite = bool(np.all(np.isfinite(Q)))
     status, reason = (Status.OK, "") if finite else (Status.DIVERGED, "Q is not finite")
-    return _finish(ds, scene, solver, None, status, reason, [], "collision")
+    return _finish(ds, scene, solver, None, status, reason, [], "collision", plans)
 
 
 def _finish(
@@ -146,6 +161,7 @@ def _finish(
     reason: str,
     warnings: list[str],
     title: str,
+    plans: Sequence[dict[str, Any]],
 ) -> xr.Dataset:
     ds["status"] = (
         (),
@@ -168,6 +184,8 @@ def _finish(
         "versions": json.dumps({name: version(name) for name in LIBRARIES}, sort_keys=True),
         "git_commit": git_commit(),
     }
+    if plans:
+        ds.attrs["quadrature"] = json.dumps(list(plans), sort_keys=True)
     return ds
 
 

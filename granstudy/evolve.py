@@ -16,6 +16,7 @@ from granstudy.dataset import Status, evolution_dataset
 from granstudy.moments import moment_values
 from granstudy.scene import Scene
 from granstudy.solver import Solver
+from granstudy.tuning import Tuning
 
 
 def simulate(
@@ -58,6 +59,7 @@ def simulate(
     advance = equation(operator, scene.diffusion)
     state = advance.state(scene.density(grid))
 
+    tuning = Tuning(operator)
     history: list[dict[str, Any]] = []
     snapshots: dict[float, np.ndarray] = {}
     found: dict[str, str] = {}
@@ -83,9 +85,12 @@ def simulate(
             density0 = history[0]["density"]
             for name, text in health.warnings(f, values, density0, grid).items():
                 found.setdefault(name, f"from t = {step * dt:g}: {text}")
+            for name, text in tuning.review(step, step * dt, f).items():
+                found.setdefault(name, f"from t = {step * dt:g}: {text}")
     return evolution_dataset(
-        scene, solver, grid, dt, history, snapshots, status, reason, list(found.values())
-    )
+        scene, solver, grid, dt, history, snapshots, status, reason, list(found.values()),
+        tuning.plans,
+    )  # fmt: skip
 
 
 def step_count(t_final: float, dt: float) -> int:

@@ -13,6 +13,7 @@ from granstudy.collision import collision_operator
 from granstudy.dataset import collision_dataset, read_dataset, write_dataset
 from granstudy.evolve import simulate
 from granstudy.study import Run
+from granstudy.tuning import Tuning
 from granstudy.whole_file import write_whole
 
 
@@ -33,7 +34,7 @@ def execute(run: Run, threads: int) -> xr.Dataset:
         )
     operator = collision_operator(run.scene, solver)
     Q = operator(run.scene.density(operator.grid))
-    return collision_dataset(run.scene, solver, operator.grid, Q)
+    return collision_dataset(run.scene, solver, operator.grid, Q, Tuning(operator).plans)
 
 
 def execute_job(

@@ -1,4 +1,4 @@
-"""Initial densities by name; each is a function of the velocity components."""
+"""Initial densities by name; each is a function of the velocity components and knows its symmetry."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,9 +6,14 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
+from granstudy.symmetry import Symmetry, stabiliser
+
 
 class InitialDensity(Protocol):
-    """Anything that maps d broadcastable velocity components to density values."""
+    """Anything that maps d broadcastable velocity components to density values.
+
+    It may declare its ``symmetry``, a `granstudy.Symmetry` or the name of one.
+    """
 
     def __call__(self, *v: np.ndarray) -> np.ndarray:
         """Density at the velocities ``v``."""
@@ -24,6 +29,7 @@ class Bkw2D:
     """Isotropic scene of the paper's eq. 49, K = 1 − exp(−1/16)/2, T0 = 1."""
 
     dim: ClassVar[int] = 2
+    symmetry: ClassVar[str] = "full"
 
     def __call__(self, *v: np.ndarray) -> np.ndarray:
         """f0 = 1/(2πK²) e^{−v²/2K} (2K − 1 + (1−K)/(2K) v²)."""
@@ -37,6 +43,7 @@ class Bkw3D:
     """Isotropic scene of the paper's eq. 51, K = 1 − exp(−6.5/6), T0 = 1."""
 
     dim: ClassVar[int] = 3
+    symmetry: ClassVar[str] = "full"
 
     def __call__(self, *v: np.ndarray) -> np.ndarray:
         """f0 = 1/(2(2πK)^{3/2}) e^{−v²/2K} ((5K−3)/K + (1−K)/K² v²)."""
@@ -54,6 +61,7 @@ class DoubleWell2D:
     """Two beams, the paper's eq. 50: ρ = 1, u = 0, T0 = 1.425."""
 
     dim: ClassVar[int] = 2
+    symmetry: ClassVar[str] = "exchange"
 
     def __call__(self, *v: np.ndarray) -> np.ndarray:
         """f0 = (0.8/π) (e^{−4|v−(2,2)|²} + e^{−|v+(½,½)|²})."""
@@ -67,6 +75,7 @@ class DoubleWell3D:
     """Two beams in 3D (published version of the paper, Tables 6 to 8)."""
 
     dim: ClassVar[int] = 3
+    symmetry: ClassVar[str] = "exchange"
 
     def __call__(self, *v: np.ndarray) -> np.ndarray:
         """f0 = 4/(5π^{3/2}) (e^{−16^{1/3}|v−(2,2,2)|²} + e^{−|v+(½,½,½)|²})."""
@@ -91,6 +100,12 @@ class Maxwellian:
         if len(velocity) != self.dim or not np.all(np.isfinite(velocity)):
             raise ValueError(f"velocity={self.velocity!r}: must be {self.dim} finite numbers")
         object.__setattr__(self, "velocity", velocity)
+
+    @property
+    def symmetry(self) -> Symmetry:
+        """What leaves the bulk velocity as it is."""
+        assert self.velocity is not None
+        return stabiliser(Symmetry.named(self.dim, "full"), self.velocity)
 
     def __call__(self, *v: np.ndarray) -> np.ndarray:
         """f0 = (2πT)^{−d/2} exp(−|v−u|²/(2T))."""

@@ -65,5 +65,5 @@ def jobs(runs: list[Run]) -> list[Job]:
 
 def run_key(run: Run) -> str:
     """Hash over all that a run's numbers depend on: its parameters and the code that computes it."""
-    code = run_fingerprint(run.model.run, run.solver.method)
+    code = run_fingerprint(run.model.run, run.solver.operator)
     return hashlib.sha256(f"{run.parameters()}\n{code}".encode()).hexdigest()[:32]

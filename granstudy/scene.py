@@ -1,4 +1,4 @@
-"""Scene: what is modelled — density, kernel, restitution, diffusion."""
+"""Scene: what is modelled — density, kernel, restitution, diffusion, symmetry."""
 
 import dataclasses
 from collections.abc import Callable
@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from granstudy.errors import unknown_name
+from granstudy.grid import VelocityGrid
 from granstudy.initial import (
     Bkw2D,
     Bkw3D,
@@ -18,6 +19,7 @@ from granstudy.initial import (
     Maxwellian,
 )
 from granstudy.kernel import VHS, Restitution, check_restitution, maxwell
+from granstudy.symmetry import Symmetry
 from granstudy.velocity_space import VelocitySpace
 
 INITIAL_DENSITIES: dict[str, Callable[..., InitialDensity]] = {
@@ -46,6 +48,11 @@ class Scene:
         e, or e as a function of the normal impact speed |g·ω|.
     diffusion : float
         ε ≥ 0, the heating.
+    symmetry : Symmetry, str or None
+        Signed permutations of the axes that leave the initial density, and with it every later one, as
+        it is: a group or its name (``none``, ``inversion``, ``reflections``, ``exchange``, ``full``).
+        None takes what the density itself declares as its ``symmetry``; a plain function declares
+        none. It is verified where the density is put on a grid.
 
     Raises
     ------
@@ -58,6 +65,7 @@ class Scene:
     kernel: VHS
     restitution: Restitution = 1.0
     diffusion: float = 0.0
+    symmetry: Symmetry = None  # type: ignore[assignment]  # a Symmetry from __post_init__ on
 
     def __post_init__(self) -> None:
         if self.dim not in (2, 3):
@@ -77,6 +85,17 @@ class Scene:
         own_dim = getattr(self.initial, "dim", self.dim)
         if own_dim != self.dim:
             raise ValueError(f"initial={self.initial!r}: has dim {own_dim}, the scene {self.dim}")
+        object.__setattr__(self, "symmetry", self._group(self.symmetry))
+
+    def _group(self, declared: Symmetry | str | None) -> Symmetry:
+        if declared is None:
+            declared = getattr(self.initial, "symmetry", "none")
+        group = Symmetry.named(self.dim, declared) if isinstance(declared, str) else declared
+        if not isinstance(group, Symmetry):
+            raise ValueError(f"symmetry={declared!r}: must be a granstudy.Symmetry or its name")
+        if group.dim != self.dim:
+            raise ValueError(f"symmetry={group!r}: has dim {group.dim}, the scene {self.dim}")
+        return group
 
     def density(self, grid: VelocitySpace) -> np.ndarray:
         """Initial density on a grid, shape ``grid.shape``.
@@ -85,13 +104,15 @@ class Scene:
         ------
         ValueError
             If the grid's dimension is another one, or the density is not finite or of another
-            shape than the grid, or has no mass there.
+            shape than the grid, or has no mass there, or lacks the declared symmetry.
         """
         if grid.dim != self.dim:
             raise ValueError(f"grid has dim {grid.dim}: the scene has dim {self.dim}")
         assert callable(self.initial)
-        f = np.asarray(self.initial(*grid.velocities()))
-        return check_density(f, grid)
+        f = check_density(np.asarray(self.initial(*grid.velocities())), grid)
+        if isinstance(grid, VelocityGrid):
+            self.symmetry.check(f, f"initial={self.initial!r}")
+        return f
 
     def describe(self) -> dict[str, Any]:
         """The scene as plain data, for a dataset's attributes."""
@@ -103,6 +124,7 @@ class Scene:
                 repr(self.restitution) if callable(self.restitution) else float(self.restitution)
             ),
             "diffusion": float(self.diffusion),
+            "symmetry": self.symmetry.name,
         }
 
 

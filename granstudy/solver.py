@@ -12,6 +12,9 @@ METHODS = ("literal", "direct", "fast", "radial", "carleman")
 VARIANTS = ("full", "separate")
 RADIAL_RULES = ("legendre", "jacobi")
 
+CHOSEN_BY_RTOL = {"N_rho", "M_sph", "M_cir", "sphere_rule", "radial_rule"}
+"""Fields that a tolerance takes the place of."""
+
 
 @dataclass(frozen=True)
 class Solver:
@@ -39,6 +42,11 @@ class Solver:
         ``design``, ``lebedev``, ``product``, ``gauss-theta-phi``, or a text file of unit vectors.
     radial_rule : str
         ``legendre`` (the paper) or ``jacobi`` (spectral for every λ).
+    rtol : float or None
+        For `fast`: tolerance in (0, 1) of Q's quadrature error over max|Q| (near an equilibrium, where Q
+        vanishes, over a hundredth of the loss), and half that of its mass, momentum and energy over those
+        of |Q|. The shells and the rule of each are then chosen for the scene, and N_rho, M_sph, M_cir,
+        sphere_rule and radial_rule are left alone.
     circular : bool
         For `direct`: do as the paper's direct method does. l+m wraps around the spectrum, as
         products on the grid do, and sinc is evaluated as in the paper's code.
@@ -60,6 +68,7 @@ class Solver:
     method: str = "fast"
     sphere_rule: str = "design"
     radial_rule: str = "legendre"
+    rtol: float | None = None
     circular: bool = False
     threads: int | None = None
 
@@ -83,6 +92,25 @@ class Solver:
         ):
             if getattr(self, field) not in allowed:
                 raise unknown_name(field, getattr(self, field), allowed)
+        if self.rtol is not None:
+            self._check_rtol(self.rtol)
+
+    def _check_rtol(self, rtol: object) -> None:
+        if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 0.0 < rtol < 1.0:
+            raise ValueError(f"rtol={rtol!r}: must be a number between 0 and 1, or None")
+        if self.method != "fast":
+            raise ValueError(f"rtol={rtol!r}: only method 'fast' takes it, not {self.method!r}")
+        for field in dataclasses.fields(self):
+            value = getattr(self, field.name)
+            if field.name in CHOSEN_BY_RTOL and value != field.default:
+                raise ValueError(
+                    f"{field.name}={value!r}: rtol={rtol!r} chooses it; leave one of them out"
+                )
+
+    @property
+    def operator(self) -> str:
+        """Name of the operator behind the method: ``adaptive`` for `fast` with a tolerance."""
+        return self.method if self.rtol is None else "adaptive"
 
     def grid(self, dim: int) -> VelocityGrid:
         """The Cartesian velocity grid in ``dim`` dimensions, of every method but `radial`."""
@@ -96,9 +124,15 @@ class Solver:
     def describe(self) -> dict[str, Any]:
         """The solver as plain data, for a dataset's attributes.
 
-        ``threads`` is left out: it changes how long a run takes, not what comes out.
+        ``threads`` is left out: it changes how long a run takes, not what comes out. So is what plays no
+        part, ``rtol`` or what it chooses.
         """
-        return {k: v for k, v in dataclasses.asdict(self).items() if k != "threads"}
+        unused = {"rtol"} if self.rtol is None else CHOSEN_BY_RTOL
+        return {
+            key: value
+            for key, value in dataclasses.asdict(self).items()
+            if key != "threads" and key not in unused
+        }
 
 
 def _check_count(field: str, value: object) -> None:

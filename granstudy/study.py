@@ -31,6 +31,7 @@ SWEPT = (
     "N_rho",
     "M_sph",
     "M_cir",
+    "rtol",
     "variant",
     "method",
     "sphere_rule",
@@ -79,6 +80,10 @@ class SolverModel(_Model):
     method: str | None = None
     sphere_rule: str | None = None
     radial_rule: str | None = None
+    rtol: Annotated[
+        float | None,
+        Field(description="tolerance of Q's quadrature error, in place of N_rho, M_.."),
+    ] = None
     circular: bool | None = None
 
 
@@ -225,6 +230,7 @@ class Run:
         settings |= {key: value for key, value in self.values if key in fields}
         if self.is_reference:
             assert self.model.reference is not None
+            settings.pop("rtol", None)
             settings |= self.model.reference.model_dump(exclude_none=True)
         for needed in ("N", "R"):
             if needed not in settings:
@@ -262,7 +268,7 @@ class Run:
         radial = self.solver.method == "radial"
         if radial:
             check_isotropic(self.scene, self.solver.R)
-        else:
+        elif self.solver.rtol is None:
             directions(self.scene, self.solver)
         if self.solver.method == "carleman":
             carleman_scenes.check_scene(self.scene)
@@ -366,7 +372,7 @@ def _expand(name: str, experiment: Experiment) -> list[Run]:
 def _as_list(key: str, value: Any) -> list[Any]:
     """The values of one sweep entry; whole numbers of real parameters become real."""
     values = value if isinstance(value, list) else [value]
-    real = key in ("e", "exponent", "epsilon", "R", "dt")
+    real = key in ("e", "exponent", "epsilon", "R", "rtol", "dt")
     return [float(v) if real and type(v) is int else v for v in values]
 
 

@@ -24,6 +24,11 @@ GOOD_SOLVER = {"N": 8, "R": 7.0}
         ({"variant": "seperate"}, "unknown variant 'seperate' .did you mean 'separate'"),
         ({"method": "quick"}, "unknown method 'quick'.*literal, direct, fast, radial"),
         ({"radial_rule": "simpson"}, "unknown radial_rule 'simpson'"),
+        ({"rtol": 0.0}, "rtol=0.0: must be a number between 0 and 1, or None"),
+        ({"rtol": 1.0}, "rtol=1.0: must be a number between 0 and 1"),
+        ({"rtol": "1e-6"}, "rtol='1e-6': must be a number"),
+        ({"rtol": 1e-6, "method": "literal"}, "rtol=1e-06: only method 'fast' takes it"),
+        ({"rtol": 1e-6, "M_sph": 6}, "M_sph=6: rtol=1e-06 chooses it; leave one of them out"),
     ],
 )
 def test_solver(settings, message):
@@ -49,6 +54,43 @@ def test_solver(settings, message):
 def test_scene(overrides, message):
     with pytest.raises(ValueError, match=message):
         gs.load_scene("bkw2d", **overrides)
+
+
+@pytest.mark.parametrize(
+    ("symmetry", "message"),
+    [
+        (
+            "octahedral",
+            "unknown symmetry 'octahedral'.*none, inversion, reflections, exchange, full",
+        ),
+        (3, "symmetry=3: must be a granstudy.Symmetry or its name"),
+        (gs.Symmetry.named(3, "full"), "has dim 3, the scene 2"),
+    ],
+)
+def test_symmetries(symmetry, message):
+    with pytest.raises(ValueError, match=message):
+        gs.load_scene("bkw2d", symmetry=symmetry)
+
+
+@pytest.mark.parametrize("triplet", ["x", "x,x", "x,z", "x,2y", "x,y,z"])
+def test_coordinate_triplets(triplet):
+    with pytest.raises(ValueError, match="must be the axes x, y in any order"):
+        gs.Symmetry.generated(2, triplet)
+
+
+def test_a_symmetry_that_does_not_hold():
+    scene = gs.load_scene("double_well2d", restitution=0.5, symmetry="full")
+    with pytest.raises(
+        ValueError, match=r"symmetry='full': initial=DoubleWell2D\(\) does not have it"
+    ):
+        gs.simulate(scene, gs.Solver(N=16, R=8.0), t_final=1.0, dt=0.1)
+    # nor may an operator's states lose it
+    scene = gs.load_scene("bkw2d", restitution=0.5)
+    operator = gs.collision_operator(scene, gs.Solver(N=16, R=8.0, M_cir=16))
+    f = scene.density(operator.grid)
+    f[3:] += 1e-6 * f[:-3]
+    with pytest.raises(ValueError, match="symmetry='full': the density does not have it"):
+        operator(f)
 
 
 def test_unknown_scene():

@@ -116,3 +116,15 @@ def test_figures_and_tables_are_apart_from_runs_and_from_each_other(package):
     edited(package / "markdown.py", "fitted order", "order")
     assert fingerprint(["granstudy.tables"]) != tables
     assert changed(before) == {("evolution", "fast"), ("collision", "fast")}
+
+
+def test_runs_with_a_tolerance_depend_on_how_their_quadrature_is_chosen(package):
+    before = all_fingerprints()
+    adaptive = run_fingerprint("evolution", "adaptive")
+    edited(package / "collision" / "planning.py", "TARGET = 0.5", "TARGET = 0.4")
+    assert changed(before) == set()
+    planned = run_fingerprint("evolution", "adaptive")
+    assert planned != adaptive
+    edited(package / "collision" / "gain.py", "import ", "import math, ")
+    assert run_fingerprint("evolution", "adaptive") != planned
+    assert changed(before) == {("evolution", "fast"), ("collision", "fast")}

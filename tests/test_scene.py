@@ -75,5 +75,6 @@ def test_describe_is_plain_data():
         "kernel": {"exponent": 0.0, "strength": 1 / (2 * np.pi)},
         "restitution": "Viscoelastic(A=0.1)",
         "diffusion": 1e-6,
+        "symmetry": "full",
     }
     assert gs.load_scene("bkw2d", restitution=1).describe()["restitution"] == 1.0

@@ -19,3 +19,11 @@ def test_threads_change_no_description():
     assert "threads" not in gs.Solver(8, 5.0).describe()
     assert gs.Solver(8, 5.0, threads=3).thread_count == 3
     assert gs.Solver(8, 5.0).thread_count == len(os.sched_getaffinity(0))
+
+
+def test_a_tolerance_takes_the_place_of_sizes():
+    solver = gs.Solver(8, 5.0, rtol=1e-3)
+    assert solver.describe()["rtol"] == 1e-3
+    assert not {"N_rho", "M_sph", "sphere_rule"} & set(solver.describe())
+    assert "rtol" not in gs.Solver(8, 5.0).describe()
+    assert (solver.operator, gs.Solver(8, 5.0).operator) == ("adaptive", "fast")

@@ -73,6 +73,26 @@ def test_a_value_added_to_a_list_adds_runs_and_changes_none(load):
         assert after[path].parameters() == run.parameters()
 
 
+def test_tolerances_are_swept_in_place_of_sizes(load):
+    sizes = "{e: [0.2, 0.80], N: [8], M_sph: [6, 12], method: fast}"
+    study = load(
+        f"""solver: {{R: 7.0, N_rho: 8}}
+    time: {{t_final: 1.0, dt: 0.1}}
+    sweep:
+      - {sizes}""",
+        """solver: {R: 7.0}
+    time: {t_final: 1.0, dt: 0.1}
+    sweep:
+      - {e: 0.2, rtol: [1.0e-2, 1.0e-4], N: 32}""",
+    )
+    runs = study.runs["cooling"]
+    assert list(runs) == ["e~0.2/N~32/rtol~0.01", "e~0.2/N~32/rtol~0.0001"]
+    coarse, fine = runs.values()
+    assert (coarse.solver.rtol, coarse.solver.operator) == (1e-2, "adaptive")
+    assert 0 < coarse.cost.seconds < fine.cost.seconds
+    assert coarse.parameters() != fine.parameters()
+
+
 def test_a_run_outside_the_study(load):
     with pytest.raises(ValueError, match="study 'test' has no run cooling/e~0.3"):
         load().run("cooling", "e~0.3")

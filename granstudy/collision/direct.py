@@ -14,12 +14,12 @@ import numpy as np
 from scipy.special import eval_legendre, jv, spherical_jn
 
 from granstudy.collision.operator import check_state
-from granstudy.collision.rules import radial_nodes
+from granstudy.collision.rules import converged_radial, radial_nodes
 from granstudy.collision.variable_restitution import mean_phase
 from granstudy.collision.weights import SphereMean, alpha, loss_weight, radial_measure
 from granstudy.grid import VelocityGrid
 from granstudy.kernel import sphere_area
-from granstudy.quadrature import Rule, radial_rule
+from granstudy.quadrature import Rule
 from granstudy.scene import Scene
 from granstudy.solver import Solver
 from granstudy.sphere import paper_sphere_mean, sphere_mean
@@ -84,17 +84,6 @@ class DirectOperator:
             list(pool.map(sum_group, groups))
         Q = np.fft.ifftn(Q_hat.reshape(self.grid.shape)) * f.size
         return Q if np.iscomplexobj(f) else Q.real
-
-
-def converged_radial(scene: Scene, grid: VelocityGrid) -> Rule:
-    """A radial rule so fine that the weights' integrals over ρ are exact to round-off.
-
-    The integrand's phase reaches R·(α|k| + |m−αk|)π/L ≤ 2π√d·N/2·R/L; a Gauss rule resolves a phase x with
-    about x/2 nodes and then converges at once.
-    """
-    phase = 2.0 * np.pi * np.sqrt(grid.dim) * grid.N / 2 * grid.R / grid.L
-    exponent = grid.dim - 1 + scene.kernel.exponent
-    return radial_rule(32 + int(0.6 * phase), grid.R, "jacobi", exponent)
 
 
 class ScalarTable:

@@ -1,198 +1,132 @@
-"""The fast operator: real transforms, antipodal pairs, fused loops, threads over nodes.
+"""The fast operator: the gain as a sum over nodes, the loss as one convolution.
 
-Facts 1 to 4 of docs/method.md §2. For real f the nodes ±g share one transform pair, as f(v)f(v+g) is
-f(v)f(v−g) displaced by g, and the weight of both together is real up to the half-shift e^{i½k·g}:
+The loss is one convolution in both variants, since a sum over nodes of displaced densities is a
+multiplier. Where the scene and the rule have a symmetry group H in common (docs/method.md §2, fact 6), one
+node r of each orbit under H and ±1 is evaluated, with the orbit's weight, and the sum is symmetrised:
 
-    Q̂⁺_k = |S|C_λ Σ_ρ w_ρ ρ^{d−1+λ} Σ_{±ĝ} w_ĝ e^{iπρ k·ĝ/2L} 2P(ρ,|k|,k·ĝ) FFT[f(v) f(v−ρĝ)]_k
+    Q⁺ = (1/|H|) Σ_{h∈H} h·Σ_r w_r Q⁺_r
 
-with P = mean(πρα|k|/L) cos(πρβ k·ĝ/L), β = (1−e)/4, for a constant restitution, and a series in (k̂·ĝ)² for
-one that depends on the impact speed. The loss is one convolution in both variants, since a sum over
-nodes of displaced densities is a multiplier.
+For f that has the symmetry this equals, to round-off, the sum over all signed nodes h r, h ∈ H, each with
+w_r/|H|. It differs from the fast sum without H by aliasing alone: there each pair ±g is evaluated at one
+of its two nodes, here at r's images.
 """
-
-from concurrent.futures import ThreadPoolExecutor
-from functools import partial
-from queue import SimpleQueue
 
 import numpy as np
 
 from granstudy.collision import kernels
+from granstudy.collision.gain import GainSum
+from granstudy.collision.nodes import Nodes, place_nodes
 from granstudy.collision.operator import check_state
 from granstudy.collision.rules import directions, radial_nodes
+from granstudy.collision.spectra import resize
 from granstudy.collision.transforms import RealTransforms
-from granstudy.collision.variable_restitution import pair_series
-from granstudy.collision.weights import alpha, loss_weight, radial_measure, sphere_mean
-from granstudy.quadrature import half
+from granstudy.collision.weights import loss_weight
+from granstudy.grid import VelocityGrid
+from granstudy.quadrature import Rule, half
+from granstudy.quadrature.orbits import invariance, representatives
 from granstudy.scene import Scene
 from granstudy.solver import Solver
-
-SHARES = 8
-"""The sum over nodes is split in this many parts, added up in order whatever the thread count, so
-that results do not depend on it."""
-
-BATCH_BYTES = 2**17
-"""Small grids are transformed several at a time, one buffer up to this size (it fits a core's cache)."""
+from granstudy.symmetry import Symmetry
 
 
-class FastOperator:
-    """Q(f,f) for real f at two real transforms an antipodal pair of nodes."""
+class NodalOperator:
+    """Q(f,f) for real f by a sum over given nodes.
 
-    def __init__(self, scene: Scene, solver: Solver) -> None:
-        self.grid = grid = solver.grid(scene.dim)
-        radial = radial_nodes(scene, solver)
-        pairs = half(directions(scene, solver))
-        measure = radial_measure(scene.kernel, grid.dim, radial.points, radial.weights)
+    Parameters
+    ----------
+    gain : GainSum
+        On ``grid``, or on a smaller grid that holds the spectra of f and of Q.
+    group : Symmetry
+        Under which the sum is symmetrised, and which densities must have.
+    loss : ndarray, shape (N, N', N/2+1)
+        G⁻ on the half spectrum of ``grid``.
+    """
 
-        # Arrays have three axes in both dimensions, the second of length 1 in 2D.
+    def __init__(
+        self, grid: VelocityGrid, gain: GainSum, group: Symmetry, loss: np.ndarray
+    ) -> None:
+        self.grid = grid
+        self.gain = gain
+        self.group = group
+        self._loss = loss
         self._shape = (grid.N, grid.N if grid.dim == 3 else 1, grid.N)
-        ghat = np.zeros((len(pairs.weights), 3))
-        ghat[:, [0, 2] if grid.dim == 2 else [0, 1, 2]] = pairs.points
-        # g in units L/π, so that phases are k·g.
-        # Which of ±g stands for the pair is free but for aliasing; signs that balance cancel it.
-        signs = balanced_signs(pairs.points) * (-1) ** np.arange(len(radial))[:, None]
-        g = np.pi / grid.L * radial.points[:, None, None] * signs[..., None] * ghat
-        self._nodes = g.reshape(-1, 3)
-        self._weights = np.tile(pairs.weights / 2, len(radial.points))
-        self._shells = np.repeat(np.arange(len(radial.points)), len(pairs.weights))
-        self.transforms = 2 * len(self._weights) + 3
-
-        k2, place = np.unique(grid.wavenumber_squared(half=True), return_inverse=True)
-        self._place = place.reshape(self._spectrum_shape)
-        k = np.pi / grid.L * np.sqrt(k2)
-        if callable(scene.restitution):
-            series = pair_series(scene.restitution, grid.dim, radial.points, k)
-            series *= measure[:, None, None]
-            radii = np.pi / grid.L * radial.points
-            self._accumulate = partial(self._accumulate_series, series, k2, radii)
-        else:
-            beta = (1.0 - scene.restitution) / 4.0
-            scale = float(alpha(scene.restitution)) * radial.points[:, None]
-            means = measure[:, None] * sphere_mean(grid.dim, scale * k)
-            self._accumulate = partial(self._accumulate_pairs, beta, means)
-        if solver.variant == "separate":
-            self._loss = loss_weight(
-                scene.kernel, grid, radial.points, radial.weights, half=True
-            ).reshape(self._spectrum_shape)
-        else:
-            self._loss = np.zeros(self._spectrum_shape)
-            kernels.nodal_loss(self._nodes, self._weights * measure[self._shells], self._loss)
-        self._plan(solver.thread_count)
-
-    @property
-    def _spectrum_shape(self) -> tuple[int, int, int]:
-        return (*self._shape[:2], self._shape[2] // 2 + 1)
-
-    def _plan(self, threads: int) -> None:
-        """Divide the nodes, and give every thread its buffers and transforms."""
-        share = -(-len(self._weights) // SHARES)
-        largest = max(1, BATCH_BYTES // (8 * self.grid.N**self.grid.dim))
-        # Equal batches: no transform is spent on padding but in the last share.
-        self._batch = -(-share // -(-share // largest))
-        self._bounds = [
-            (start, min(start + share, len(self._weights)))
-            for start in range(0, len(self._weights), share)
-        ]
-        # A shell's sum is closed where the next node lies on another shell or in another share.
-        self._ends = np.append(self._shells[1:] != self._shells[:-1], True)
-        self._ends[[stop - 1 for _, stop in self._bounds]] = True
-        self._gains = np.zeros((len(self._bounds), *self._spectrum_shape), dtype=np.complex128)
         self._single = RealTransforms(1, self._shape)
-        self._workspaces: SimpleQueue[_Workspace] = SimpleQueue()
-        threads = min(threads, len(self._bounds))
-        for _ in range(threads):
-            self._workspaces.put(_Workspace(self._batch, self._shape))
-        self._pool = ThreadPoolExecutor(threads)
+        self._inner = self._single if gain.grid == grid else RealTransforms(1, gain.shape)
+        self.transforms = gain.transforms + (3 if gain.grid == grid else 4)
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
-        """Q(f,f) of a real density."""
+        """Q(f,f) of a real density that has the operator's symmetry."""
         check_state(f, self.grid)
         if np.iscomplexobj(f):
             raise ValueError(f"density has type {f.dtype}: method 'fast' takes real densities")
+        self.group.spot_check(f, "the density")
         f = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
-        f_hat = self._single.forward(f) / f.size
-        list(self._pool.map(partial(self._sum_share, f, f_hat), range(len(self._bounds))))
-        Q = self._single.backward(self._gains.sum(axis=0) / f.size)
-        Q -= f * self._single.backward(self._loss * f_hat)
-        return Q.reshape(self.grid.shape)
+        f_hat = self._spectrum(f)
+        Q = self._single.backward(self._gain_spectrum(f, f_hat))
+        Q -= self._loss_part(f, f_hat)
+        # The loss has the symmetry already; with it, round-off that has not stays as small as it is.
+        return self.group.symmetrise(Q.reshape(self.grid.shape))
+
+    def loss(self, f: np.ndarray) -> np.ndarray:
+        """Q⁻(f,f) alone."""
+        wide = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
+        return self._loss_part(wide, self._spectrum(wide)).reshape(f.shape)
+
+    def _spectrum(self, f: np.ndarray) -> np.ndarray:
+        """f̂ with Σ_k f̂_k e^{iπk·v/L} = f."""
+        f_hat = self._single.forward(f)
+        f_hat *= 1.0 / f.size
+        return f_hat
+
+    def _loss_part(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
+        return f * self._single.backward(self._loss * f_hat)
+
+    def _gain_spectrum(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
+        n = self.gain.grid.N
+        if n == self.grid.N:
+            return self.gain.total(f, f_hat)
+        f_hat = resize(f_hat, n)
+        return resize(self.gain.total(self._inner.backward(f_hat), f_hat), self.grid.N)
 
     def transform(self) -> None:
         """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
-        list(self._pool.map(self._transform_share, self._bounds))
-
-    def _transform_share(self, bounds: tuple[int, int]) -> None:
-        work = self._workspaces.get()
-        for _ in range(*bounds, self._batch):
-            work.transforms.execute_backward()
-            work.transforms.execute_forward()
-        work.transforms.spectrum[...] = 0.0
-        self._workspaces.put(work)
-
-    def _sum_share(self, f: np.ndarray, f_hat: np.ndarray, share: int) -> None:
-        """The gain's sum over one share of the nodes."""
-        gain = self._gains[share]
-        gain[...] = 0.0
-        work = self._workspaces.get()
-        start, stop = self._bounds[share]
-        for first in range(start, stop, self._batch):
-            nodes = slice(first, min(first + self._batch, stop))
-            kernels.shift(f_hat, -self._nodes[nodes], work.transforms.spectrum)
-            work.transforms.execute_backward()
-            kernels.multiply(work.transforms.density, f)
-            work.transforms.execute_forward()
-            self._accumulate(work, nodes, gain)
-        self._workspaces.put(work)
-
-    def _accumulate_pairs(
-        self, beta: float, means: np.ndarray, work: "_Workspace", nodes: slice, gain: np.ndarray
-    ) -> None:
-        kernels.accumulate_pairs(
-            work.transforms.spectrum,
-            self._nodes[nodes],
-            self._weights[nodes],
-            self._shells[nodes],
-            self._ends[nodes],
-            beta,
-            means,
-            self._place,
-            work.shell_sum,
-            gain,
-        )
-
-    def _accumulate_series(
-        self,
-        series: np.ndarray,
-        k2: np.ndarray,
-        radii: np.ndarray,
-        work: "_Workspace",
-        nodes: slice,
-        gain: np.ndarray,
-    ) -> None:
-        kernels.accumulate_series(
-            work.transforms.spectrum,
-            self._nodes[nodes],
-            self._weights[nodes],
-            self._shells[nodes],
-            series,
-            self._place,
-            k2,
-            radii,
-            gain,
-        )
+        self.gain.transform()
 
 
-def balanced_signs(points: np.ndarray) -> np.ndarray:
-    """Signs ±1 that make the sum of the points small, chosen one after the other."""
-    signs = np.ones(len(points))
-    total = np.zeros(points.shape[1])
-    for i, point in enumerate(points):
-        signs[i] = 1.0 if total @ point <= 0.0 else -1.0
-        total += signs[i] * point
-    return signs
+def fast_operator(scene: Scene, solver: Solver) -> NodalOperator:
+    """The operator with the solver's rule: N_rho shells of equally many directions."""
+    grid = solver.grid(scene.dim)
+    radial, rule = radial_nodes(scene, solver), directions(scene, solver)
+    group, reduced = reduce_directions(rule, scene.symmetry)
+    nodes = place_nodes(scene, grid, radial, [reduced] * len(radial))
+    if solver.variant == "separate":
+        loss = loss_weight(scene.kernel, grid, radial.points, radial.weights, half=True)
+    else:
+        loss = nodal_loss(grid, place_nodes(scene, grid, radial, [half(rule)] * len(radial)))
+    gain = GainSum(scene, grid, nodes, solver.thread_count)
+    return NodalOperator(grid, gain, group, spectrum_axes(grid, loss))
 
 
-class _Workspace:
-    """What one thread needs: a batch's transforms and the sum over the shell it is in."""
+def reduce_directions(rule: Rule, group: Symmetry) -> tuple[Symmetry, Rule]:
+    """The largest part of a group that the rule has too, and one direction of each orbit.
 
-    def __init__(self, batch: int, shape: tuple[int, int, int]) -> None:
-        self.transforms = RealTransforms(batch, shape)
-        self.shell_sum = np.zeros_like(self.transforms.spectrum[0])
+    The group is {1} where it saves nothing over pairs ±ĝ.
+    """
+    pairs = half(rule)
+    kept = invariance(rule, group)
+    reduced = representatives(rule, kept)
+    if len(reduced) < len(pairs):
+        return kept, reduced
+    return Symmetry.named(group.dim, "none"), pairs
+
+
+def nodal_loss(grid: VelocityGrid, nodes: Nodes) -> np.ndarray:
+    """G⁻(m) by the gain's nodes, which keeps the mass to round-off (variant ``full``)."""
+    loss = np.zeros((grid.N, grid.N ** (grid.dim - 2) * (grid.N // 2 + 1)))
+    kernels.nodal_loss(nodes.vectors, nodes.weights * nodes.measure[nodes.shells], loss)
+    return loss
+
+
+def spectrum_axes(grid: VelocityGrid, multiplier: np.ndarray) -> np.ndarray:
+    """A multiplier on the half spectrum with three axes, as the transforms have."""
+    return multiplier.reshape(grid.N, grid.N if grid.dim == 3 else 1, -1)

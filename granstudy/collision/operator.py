@@ -1,7 +1,7 @@
 """The protocol of a collision operator, and the choice of one by the solver's method."""
 
 from importlib import import_module
-from typing import Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -11,15 +11,19 @@ from granstudy.scene import Scene
 from granstudy.solver import Solver
 from granstudy.velocity_space import VelocitySpace
 
+if TYPE_CHECKING:
+    from granstudy.collision.plan import QuadraturePlan
+
 OPERATORS = {
     "literal": ("granstudy.collision.literal", "LiteralOperator"),
     "direct": ("granstudy.collision.direct", "DirectOperator"),
-    "fast": ("granstudy.collision.fast", "FastOperator"),
     "radial": ("granstudy.collision.radial", "RadialOperator"),
     "carleman": ("granstudy.collision.carleman", "CarlemanOperator"),
+    "fast": ("granstudy.collision.fast", "fast_operator"),
+    "adaptive": ("granstudy.collision.adaptive", "AdaptiveOperator"),
 }
-"""Module and class behind each method; imported only where a method is used, so that a run loads, and
-is fingerprinted by, no other method's code."""
+"""Module and maker of the operator behind each method; imported only where a method is used, so that a
+run loads, and is fingerprinted by, no other method's code."""
 
 
 class CollisionOperator(Protocol):
@@ -55,6 +59,19 @@ class SpectrumOperator(CollisionOperator, Protocol):
         """Q̂ from f̂ (docs/method.md §2, normalised by N^d), both in FFT order."""
 
 
+@runtime_checkable
+class TunedOperator(CollisionOperator, Protocol):
+    """An operator with a quadrature chosen for a tolerance and a density (`Solver.rtol`)."""
+
+    plan: "QuadraturePlan"
+
+    def check(self, f: np.ndarray) -> float:
+        """The error of Q(f,f) that the tolerance bounds, by a finer quadrature."""
+
+    def tune(self, f: np.ndarray) -> "QuadraturePlan":
+        """Choose the quadrature anew, for this density."""
+
+
 def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:
     """Plan the collision operator of a scene as the solver's method does it.
 
@@ -62,16 +79,20 @@ def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:
     ------
     ValueError
         If the scene's restitution leaves [0, 1] at impact speeds up to R, or the quadrature has no
-        rule of the size asked for.
+        rule of the size asked for, or its tolerance cannot be reached on the grid.
     """
     check_restitution(scene.restitution, largest_speed=solver.R)
-    module, name = OPERATORS[solver.method]
+    module, name = OPERATORS[solver.operator]
     operator = getattr(import_module(module), name)
     return operator(scene, solver)
 
 
 class NotFiniteError(ValueError):
     """A density holds NaN or infinite values."""
+
+
+class ToleranceError(ValueError):
+    """A tolerance cannot be reached on the solver's grid."""
 
 
 def check_state(f: np.ndarray, grid: VelocitySpace) -> None:

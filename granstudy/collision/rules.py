@@ -1,5 +1,8 @@
 """The quadrature in the relative velocity g = ρĝ that a solver asks for."""
 
+import numpy as np
+
+from granstudy.grid import VelocityGrid
 from granstudy.quadrature import Rule, circle_rule, radial_rule, sphere_rule
 from granstudy.scene import Scene
 from granstudy.solver import Solver
@@ -17,3 +20,14 @@ def directions(scene: Scene, solver: Solver) -> Rule:
     if scene.dim == 2:
         return circle_rule(solver.M_cir)
     return sphere_rule(solver.M_sph, solver.sphere_rule)
+
+
+def converged_radial(scene: Scene, grid: VelocityGrid) -> Rule:
+    """A radial rule so fine that the weights' integrals over ρ are exact to round-off.
+
+    The integrand's phase reaches R·(α|k| + |m−αk|)π/L ≤ 2π√d·N/2·R/L; a Gauss rule resolves a phase x with
+    about x/2 nodes and then converges at once.
+    """
+    phase = 2.0 * np.pi * np.sqrt(grid.dim) * grid.N / 2 * grid.R / grid.L
+    exponent = grid.dim - 1 + scene.kernel.exponent
+    return radial_rule(32 + int(0.6 * phase), grid.R, "jacobi", exponent)

@@ -9,11 +9,20 @@ class RealTransforms:
 
     In place, a transform of 32³ points stays in a core's cache. Unnormalised. Arrays have three axes in
     both dimensions, the second of length 1 in 2D.
+
+    Attributes
+    ----------
+    spectrum : ndarray of complex128, shape (batch, n, n', n/2+1)
+    parts : ndarray of float64, shape (batch, n, 2 n' (n/2+1))
+        The same memory, real and imaginary parts in turn, all axes but the first as one.
+    density : ndarray of float64, shape (batch, n, n', n)
+        The same memory, rows padded.
     """
 
     def __init__(self, batch: int, shape: tuple[int, int, int]) -> None:
         nx, ny, nz = shape
         self.spectrum = pyfftw.zeros_aligned((batch, nx, ny, nz // 2 + 1), dtype="complex128")
+        self.parts = self.spectrum.view("float64").reshape(batch, nx, -1)
         self.density = self.spectrum.view("float64")[..., :nz]
         axes = (1, 2, 3) if ny > 1 else (1, 3)
         # FFTW_ESTIMATE: the other planners give different bits from process to process, and gain

@@ -6,6 +6,7 @@ k·ĝ. Everything else of the method is unchanged.
 """
 
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 from scipy.special import j0
@@ -77,6 +78,15 @@ def pair_series(
     k : ndarray, shape (n,)
         Magnitudes π|k|/L.
     """
+    # Making it takes seconds, and planning a quadrature asks for few different ones.
+    return _pair_series(restitution, dim, tuple(map(float, radii)), tuple(map(float, k))).copy()
+
+
+@lru_cache(maxsize=8)
+def _pair_series(
+    restitution: RestitutionLaw, dim: int, all_radii: tuple[float, ...], all_k: tuple[float, ...]
+) -> np.ndarray:
+    radii, k = np.array(all_radii), np.array(all_k)
     count = 12 + int(0.3 * np.max(radii) * np.max(k))
     theta = np.pi * (np.arange(count) + 0.5) / count
     mu = np.sqrt((1 + np.cos(theta)) / 2)

@@ -43,8 +43,8 @@ rule benchmark:
             run.parameters() for run in STUDY.runs[wildcards.experiment].values()
         ],
         code=lambda wildcards: [
-            run_fingerprint("collision", method)
-            for method in ("direct", "fast", "literal")
+            run_fingerprint("collision", operator)
+            for operator in ("adaptive", "direct", "fast", "literal")
         ],
     message:
         "benchmark {wildcards.experiment}"

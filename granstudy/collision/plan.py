@@ -1,0 +1,76 @@
+"""What quadrature a tolerance comes to: the shells and their rules, as plain data."""
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True, repr=False)
+class QuadraturePlan:
+    """Gauss–Jacobi shells in ρ², a rule of its own size on each, and the grid of the products.
+
+    Attributes
+    ----------
+    dim : int
+    rtol : float
+        The tolerance (`Solver.rtol`).
+    N : int
+        Points a dimension of the scene's grid.
+    n : int
+        Points a dimension on which the products f(v)f(v−g) are formed, N or fewer.
+    rule : str
+        ``lebedev`` or ``circle``.
+    radii : tuple of float
+        ρ of the shells.
+    sizes : tuple of int
+        Points of the rule on each shell, 0 where it is left out.
+    symmetry : str
+        Group under which one node of each orbit is evaluated.
+    nodes : int
+        Nodes evaluated: one of each pair ±g, or of each orbit.
+    transforms : int
+        Real transforms of n^d points that one evaluation of Q makes.
+    error : float
+        Estimate of what ``rtol`` bounds, for the density that it was made for.
+    aliasing : float
+        Estimate of the error that no quadrature removes, as the products wrap around the spectrum of N
+        modes; it takes a larger N.
+    """
+
+    dim: int
+    rtol: float
+    N: int
+    n: int
+    rule: str
+    radii: tuple[float, ...]
+    sizes: tuple[int, ...]
+    symmetry: str
+    nodes: int
+    transforms: int
+    error: float
+    aliasing: float
+
+    @property
+    def N_rho(self) -> int:
+        """Number of shells."""
+        return len(self.radii)
+
+    def describe(self) -> dict[str, Any]:
+        """The plan as plain data, for a dataset's attributes."""
+        return dataclasses.asdict(self)
+
+    def __repr__(self) -> str:
+        cells = [(f"{rho:.2f}", str(M)) for rho, M in zip(self.radii, self.sizes, strict=True)]
+        widths = [max(map(len, cell)) for cell in cells]
+        rows = [
+            "  ".join(cell[row].rjust(width) for cell, width in zip(cells, widths, strict=True))
+            for row in (0, 1)
+        ]
+        return (
+            f"QuadraturePlan: error {self.error:.1e} for rtol {self.rtol:.1e}"
+            f", aliasing {self.aliasing:.1e}\n"
+            f"  ρ {rows[0]}\n"
+            f"  M {rows[1]}\n"
+            f"  {sum(self.sizes)} nodes ({self.rule}), symmetry {self.symmetry!r}: {self.nodes} "
+            f"evaluated, {self.transforms} transforms of {self.n}^{self.dim} points (N={self.N})"
+        )

@@ -1,0 +1,63 @@
+"""What each shell adds to Q, rule by rule: the measurements that a plan is made from."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy.fft
+
+from granstudy.collision.fast import nodal_loss, spectrum_axes
+from granstudy.collision.gain import GainSum
+from granstudy.collision.nodes import place_nodes
+from granstudy.collision.spectra import unaliased
+from granstudy.quadrature import Rule
+from granstudy.quadrature.ladder import Ladder
+from granstudy.scene import Scene
+from granstudy.solver import Solver
+
+
+class Shells:
+    """Contributions of single shells to Q(f,f), for one density on the solver's grid."""
+
+    def __init__(self, scene: Scene, solver: Solver, ladder: Ladder, f: np.ndarray) -> None:
+        self.scene = scene
+        self.solver = solver
+        self.ladder = ladder
+        self.grid = solver.grid(scene.dim)
+        self._axes = (0, 1, 2) if scene.dim == 3 else (0, 2)
+        self._f = np.ascontiguousarray(f).reshape(len(f), -1, len(f))
+        self._f_hat = scipy.fft.rfftn(self._f, axes=self._axes, norm="forward")
+
+    def contributions(self, radial: Rule, levels: Sequence[int | None]) -> np.ndarray:
+        """Each shell's part of Q with the ladder's rule of its level (None: left out, zero).
+
+        Shape (shells, N^d), of the modes that aliasing does not reach (`unaliased`). For the variant
+        ``separate`` the loss, which has no quadrature error, is no part of it.
+        """
+        steps = [None if level is None else self.ladder.steps[level] for level in levels]
+        reduced = [None if step is None else step.reduced for step in steps]
+        nodes = place_nodes(self.scene, self.grid, radial, reduced)
+        stops = nodes.ends
+        shares = list(zip([0, *stops[:-1]], stops, strict=True))
+        gain = GainSum(self.scene, self.grid, nodes, self.solver.thread_count, shares)
+        result = np.zeros((len(radial), self.grid.N**self.grid.dim))
+        for (start, _), part in zip(shares, gain.parts(self._f, self._f_hat), strict=True):
+            shell = int(nodes.shells[start])
+            Q = self._values(unaliased(part))
+            if self.solver.variant == "full":
+                pairs: list[Rule | None] = [None] * len(steps)
+                pairs[shell] = self.ladder.steps[int(levels[shell] or 0)].pairs
+                loss = nodal_loss(self.grid, place_nodes(self.scene, self.grid, radial, pairs))
+                Q -= self._low_pass(
+                    self._f * self._values(spectrum_axes(self.grid, loss) * self._f_hat)
+                )
+            result[shell] = self.ladder.group.symmetrise(Q.reshape(self.grid.shape)).ravel()
+        return result
+
+    def _low_pass(self, values: np.ndarray) -> np.ndarray:
+        spectrum = scipy.fft.rfftn(values, axes=self._axes, norm="forward")
+        return self._values(unaliased(spectrum))
+
+    def _values(self, spectrum: np.ndarray) -> np.ndarray:
+        """The function with a half spectrum, on the grid."""
+        shape = (self.grid.N,) * self.grid.dim
+        return scipy.fft.irfftn(spectrum, s=shape, axes=self._axes, norm="forward")

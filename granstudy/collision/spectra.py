@@ -1,0 +1,35 @@
+"""Spectra on grids of another size, and their modes that aliasing does not reach."""
+
+import numpy as np
+
+KEPT = 3 / 8
+"""Modes in parts of N that a difference between two quadratures is measured on. The products' spectrum
+wraps around into the others, differently for every choice of nodes (measured: leaving those out takes the
+difference of two converged quadratures from 3e-6 to 1e-7 of max|Q| for a density with T = 1, N = 32)."""
+
+
+def resize(f_hat: np.ndarray, n: int) -> np.ndarray:
+    """Spectrum of the same function on n points a dimension, from a half spectrum (N, N', N/2+1).
+
+    A smaller grid drops the modes |k_i| ≥ n/2, a larger one has none there. Both grids' nodes are cell
+    centres, so that the mode k turns by e^{iπk(1/n − 1/N)}. Unpaired modes k_i = −N/2 are dropped.
+    """
+    N, ny, _ = f_hat.shape
+    if n == N:
+        return f_hat
+    half = min(n, N) // 2
+    k = np.concatenate([np.arange(half), np.arange(-half + 1, 0)])
+    turn = np.exp(1j * np.pi * k * (1 / n - 1 / N))
+    out = np.zeros((n, n if ny > 1 else 1, n // 2 + 1), dtype=np.complex128)
+    y = k if ny > 1 else np.zeros(1, dtype=int)
+    kept = f_hat[np.ix_(k, y, k[:half])] * turn[:, None, None] * turn[:half]
+    out[np.ix_(k, y, k[:half])] = kept * turn[:, None] if ny > 1 else kept
+    return out
+
+
+def unaliased(f_hat: np.ndarray) -> np.ndarray:
+    """The modes |k_i| ≤ `KEPT`·N of a half spectrum (N, N', N/2+1), the others zero."""
+    N, ny, _ = f_hat.shape
+    k = np.abs(np.fft.fftfreq(N, 1 / N)) <= KEPT * N
+    y = k if ny > 1 else np.ones(1, dtype=bool)
+    return f_hat * (k[:, None, None] & y[:, None] & k[: N // 2 + 1])

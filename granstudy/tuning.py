@@ -1,0 +1,53 @@
+"""Checks, while a run goes on, that a quadrature chosen for its start still meets the tolerance."""
+
+from typing import Any
+
+import numpy as np
+
+from granstudy.collision.operator import CollisionOperator, ToleranceError, TunedOperator
+
+CHECK_EVERY = 50
+"""Steps between checks: one costs about as much as a step of the Runge–Kutta scheme."""
+
+FIRST_CHECK = 10
+"""Step of a first check: densities change fastest at the start."""
+
+EASED = 0.1
+"""Part of the tolerance under which a quadrature has become finer than it need be."""
+
+
+class Tuning:
+    """The quadratures of one run.
+
+    Attributes
+    ----------
+    plans : list of dict
+        Every plan from its ``time`` on, as plain data; empty for an operator without a tolerance.
+    """
+
+    def __init__(self, operator: CollisionOperator) -> None:
+        self._operator = operator if isinstance(operator, TunedOperator) else None
+        self.plans: list[dict[str, Any]] = []
+        self._record(0.0)
+
+    def _record(self, time: float) -> None:
+        if self._operator is not None:
+            self.plans.append({"time": time, **self._operator.plan.describe()})
+
+    def review(self, step: int, time: float, f: np.ndarray) -> dict[str, str]:
+        """At `FIRST_CHECK` and every `CHECK_EVERY` steps: tune again where needed. Warnings by name."""
+        operator = self._operator
+        due = step == FIRST_CHECK or (step > 0 and step % CHECK_EVERY == 0)
+        if operator is None or not due:
+            return {}
+        error, rtol = operator.check(f), operator.plan.rtol
+        if EASED * rtol <= error <= rtol:
+            return {}
+        try:
+            operator.tune(f)
+        except ToleranceError as reason:
+            if error <= rtol:
+                return {}
+            return {"rtol": f"the quadrature error of Q is {error:.1e}: {reason}"}
+        self._record(time)
+        return {}
