@@ -25,6 +25,7 @@ def test_every_method_is_timed_beside_literal_and_its_transforms(tmp_path, monke
     ds = benchmark(runs, threads=1)
     assert list(ds["method"].values) == ["direct", "literal", "fast", "radial"]
     assert np.all(ds["seconds"] > 0) and np.all(np.isfinite(ds["peak_memory_mb"]))
-    assert list(ds["transforms"].values) == [2, 35, 19, 0]
+    # the scene has the square's symmetry: of four angles one is evaluated
+    assert list(ds["transforms"].values) == [2, 35, 11, 0]
     np.testing.assert_allclose(ds["speedup"], float(ds["seconds"][1]) / ds["seconds"])
     assert np.all(np.isnan(ds["overhead"][[0, 3]])) and np.all(ds["overhead"][1:3] > 0)
