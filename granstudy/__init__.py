@@ -5,11 +5,11 @@ from granstudy.collision import CollisionOperator, collision_operator
 from granstudy.collision.plan import QuadraturePlan
 from granstudy.dataset import read_dataset, write_dataset
 from granstudy.evolve import simulate
-from granstudy.fit import fit_solver
 from granstudy.grid import VelocityGrid
 from granstudy.kernel import VHS, Viscoelastic, hard_spheres, maxwell
 from granstudy.moments import moments
 from granstudy.radial_grid import RadialGrid
+from granstudy.resolution import fit_solver
 from granstudy.scene import Scene, load_scene
 from granstudy.solver import Solver
 from granstudy.symmetry import Symmetry

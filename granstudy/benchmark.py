@@ -14,9 +14,9 @@ import numpy as np
 import xarray as xr
 
 from granstudy.collision import collision_operator
+from granstudy.run import Run
 from granstudy.scene import Scene
 from granstudy.solver import Solver
-from granstudy.study import Run
 
 LEAST_ROUNDS = 3
 LEAST_SECONDS = 2.0

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from granstudy.study import SWEPT
+from granstudy.study_file import SWEPT
 
 KEYS = (*SWEPT, "N_theta", "N_phi", "threads")
 """Columns that tell which row it is."""

@@ -12,7 +12,7 @@ import xarray as xr
 from granstudy.collision import collision_operator
 from granstudy.dataset import collision_dataset, read_dataset, write_dataset
 from granstudy.evolve import simulate
-from granstudy.study import Run
+from granstudy.run import Run
 from granstudy.tuning import Tuning
 from granstudy.whole_file import write_whole
 

@@ -18,7 +18,7 @@ from granstudy.theory import haff_temperature
 from granstudy.whole_file import write_whole
 
 if TYPE_CHECKING:  # a figure does not depend on the solvers that the study module imports
-    from granstudy.study import Experiment
+    from granstudy.study_file import Experiment
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Okabe & Ito, "Color Universal Design" (2008): told apart by colour-blind readers."""

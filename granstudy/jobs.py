@@ -7,7 +7,7 @@ from itertools import count
 from math import ceil
 
 from granstudy.fingerprint import run_fingerprint
-from granstudy.study import Run
+from granstudy.run import Run
 
 JOB_SECONDS = 60.0
 """Runs are put together until their estimated time reaches this; a longer run is alone in its job."""

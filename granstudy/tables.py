@@ -20,7 +20,8 @@ from granstudy.printed import match_printed, printed_quantity
 from granstudy.whole_file import write_whole
 
 if TYPE_CHECKING:  # a table does not depend on the solvers that the study module imports
-    from granstudy.study import Experiment, Run
+    from granstudy.run import Run
+    from granstudy.study_file import Experiment
 
 DEFAULT_QUANTITY = {
     "evolution": "temperature",

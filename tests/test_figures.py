@@ -6,7 +6,7 @@ import xarray as xr
 
 import granstudy as gs
 from granstudy.figures import PAPER, draw, save_figure
-from granstudy.study import Experiment
+from granstudy.study_file import Experiment
 
 
 def experiment(kind, x=None):

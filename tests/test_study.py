@@ -2,7 +2,8 @@
 
 import pytest
 
-from granstudy.study import canonical, load_study
+from granstudy.run import canonical
+from granstudy.study import load_study
 
 STUDY = """
 title: test

@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 
 from granstudy import read_dataset
-from granstudy.study import write_schema
+from granstudy.study_file import write_schema
 
 REPOSITORY = Path(__file__).parents[2]
 

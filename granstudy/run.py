@@ -1,0 +1,156 @@
+"""One run of a study: its scene, solver and times, its canonical name, its cost."""
+
+import json
+from dataclasses import dataclass
+from decimal import Decimal
+from functools import cached_property
+from typing import Any
+from urllib.parse import quote
+
+from granstudy.collision import carleman_scenes
+from granstudy.collision.rules import directions
+from granstudy.cost import Cost, estimate
+from granstudy.evolve import step_count
+from granstudy.isotropy import check_isotropic
+from granstudy.kernel import VHS, Viscoelastic, check_restitution, sphere_area
+from granstudy.scene import Scene, load_scene
+from granstudy.solver import Solver
+from granstudy.study_file import Experiment, SolverModel, ViscoelasticModel
+
+SHARED_WITH_REFERENCE = ("e", "exponent", "epsilon", "N", "R", "N_rho")
+"""What a collision run's reference takes over from the run: all but the rule on the sphere."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run of a study: its experiment and the values of its swept parameters."""
+
+    experiment: str
+    model: Experiment
+    values: tuple[tuple[str, Any], ...]
+    is_reference: bool = False
+
+    @property
+    def path(self) -> str:
+        """Canonical name of the point, ``e~0.2/N~16/variant~full``; ``reference/..`` of one."""
+        parts = [f"{key}~{canonical(value)}" for key, value in self.values]
+        return "/".join(["reference", *parts] if self.is_reference else parts)
+
+    @cached_property
+    def reference(self) -> "Run":
+        """The run that this collision run's error is measured against."""
+        shared = tuple(pair for pair in self.values if pair[0] in SHARED_WITH_REFERENCE)
+        return Run(self.experiment, self.model, shared, is_reference=True)
+
+    def _value(self, key: str, default: Any) -> Any:
+        return dict(self.values).get(key, default)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The scene with this run's swept values."""
+        model = self.model.scene
+        base = load_scene(
+            model.name,
+            **{
+                key: value
+                for key, value in (("temperature", model.temperature), ("velocity", model.velocity))
+                if value is not None
+            },
+        )
+        exponent = self._value("exponent", model.exponent)
+        strength = 1.0 / sphere_area(base.dim) if model.strength is None else model.strength
+        restitution: Any = self._value("e", model.restitution)
+        if restitution is None:
+            raise ValueError("e: set scene.restitution or sweep e")
+        if isinstance(restitution, ViscoelasticModel):
+            restitution = Viscoelastic(restitution.viscoelastic)
+        epsilon = self._value("epsilon", model.epsilon)
+        return Scene(
+            dim=base.dim,
+            initial=base.initial,
+            kernel=VHS(0.0 if exponent is None else exponent, strength),
+            restitution=restitution,
+            diffusion=base.diffusion if epsilon is None else epsilon,
+        )
+
+    @cached_property
+    def solver(self) -> Solver:
+        """The solver with this run's swept values."""
+        settings = self.model.solver.model_dump(exclude_none=True)
+        fields = set(SolverModel.model_fields)
+        settings |= {key: value for key, value in self.values if key in fields}
+        if self.is_reference:
+            assert self.model.reference is not None
+            settings.pop("rtol", None)
+            settings |= self.model.reference.model_dump(exclude_none=True)
+        for needed in ("N", "R"):
+            if needed not in settings:
+                raise ValueError(f"{needed}: set solver.{needed} or sweep {needed}")
+        if isinstance(settings.get("M_sph"), list):
+            settings["M_sph"] = tuple(settings["M_sph"])
+        return Solver(**settings)
+
+    @property
+    def dt(self) -> float | None:
+        """The time step, None where nothing evolves."""
+        if self.model.time is None:
+            return None
+        dt = self._value("dt", self.model.time.dt)
+        if dt is None:
+            raise ValueError("dt: set time.dt or sweep dt")
+        return float(dt)
+
+    @property
+    def evaluations(self) -> int:
+        """Evaluations of Q that the run makes: three a step of the Runge–Kutta scheme."""
+        if self.model.time is None:
+            return 1
+        assert self.dt is not None
+        return 3 * step_count(self.model.time.t_final, self.dt)
+
+    @cached_property
+    def cost(self) -> Cost:
+        """Estimated seconds and memory of the run."""
+        return estimate(self.scene, self.solver, self.evaluations)
+
+    def check(self) -> None:
+        """Raise ValueError for anything that would stop the run later."""
+        check_restitution(self.scene.restitution, self.solver.R)
+        radial = self.solver.method == "radial"
+        if radial:
+            check_isotropic(self.scene, self.solver.R)
+        elif self.solver.rtol is None:
+            directions(self.scene, self.solver)
+        if self.solver.method == "carleman":
+            carleman_scenes.check_scene(self.scene)
+        if self.model.reference is not None and not self.is_reference:
+            other = self.reference.solver.method
+            if radial != (other == "radial"):
+                raise ValueError(
+                    f"method {self.solver.method!r}: has other velocity nodes than its reference's "
+                    f"method {other!r}; a collision run and its reference must share them"
+                )
+        _ = self.evaluations  # t_final must be a whole number of steps
+
+    def parameters(self) -> str:
+        """All that the run depends on, as canonical JSON."""
+        time = self.model.time
+        return json.dumps(
+            {
+                "run": self.model.run,
+                "scene": self.scene.describe(),
+                "solver": self.solver.describe(),
+                "time": None if time is None else {**time.model_dump(), "dt": self.dt},
+            },
+            sort_keys=True,
+        )
+
+
+def canonical(value: Any) -> str:
+    """A value as it stands in a path: decimal, without trailing zeros; 2x3 for a pair."""
+    if isinstance(value, list):
+        return "x".join(map(canonical, value))
+    if isinstance(value, float):
+        plain = Decimal(repr(value)).normalize()
+        return format(plain, "f")
+    return quote(str(value), safe="")

@@ -1,0 +1,227 @@
+"""Study files: the typed model of their YAML, and one clear line for each thing wrong in one."""
+
+import json
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from granstudy.errors import nearest
+
+SWEPT = (
+    "e",
+    "exponent",
+    "epsilon",
+    "N",
+    "R",
+    "N_rho",
+    "M_sph",
+    "M_cir",
+    "rtol",
+    "variant",
+    "method",
+    "sphere_rule",
+    "radial_rule",
+    "dt",
+)
+"""What a study can sweep, in the order of a run's path."""
+
+Value = bool | int | float | str | list[int] | None
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
+class ViscoelasticModel(_Model):
+    """Restitution of viscoelastic spheres (`granstudy.Viscoelastic`)."""
+
+    viscoelastic: Annotated[float, Field(description="the material constant A")]
+
+
+class SceneModel(_Model):
+    """What is modelled: a named scene, and what of it is set otherwise."""
+
+    name: Annotated[str, Field(description="bkw2d, bkw3d, double_well2d, double_well3d, ...")]
+    restitution: float | ViscoelasticModel | None = None
+    exponent: Annotated[float | None, Field(description="λ of the kernel, 0 to 1")] = None
+    strength: Annotated[float | None, Field(description="C_λ; default 1/(2π), 1/(4π)")] = None
+    epsilon: Annotated[float | None, Field(description="diffusion ε; default 1e-6")] = None
+    temperature: Annotated[float | None, Field(description="of a maxwellian scene")] = None
+    velocity: Annotated[list[float] | None, Field(description="of a maxwellian scene")] = None
+
+
+class SolverModel(_Model):
+    """How well: any field of `granstudy.Solver` that is not swept."""
+
+    N: int | None = None
+    R: float | None = None
+    N_rho: int | None = None
+    M_sph: int | list[int] | None = None
+    M_cir: int | None = None
+    variant: str | None = None
+    method: str | None = None
+    sphere_rule: str | None = None
+    radial_rule: str | None = None
+    rtol: Annotated[
+        float | None,
+        Field(description="tolerance of Q's quadrature error, in place of N_rho, M_.."),
+    ] = None
+    circular: bool | None = None
+
+
+class TimeModel(_Model):
+    """How long, in which steps."""
+
+    t_final: float
+    dt: Annotated[float | None, Field(description="the step, where it is not swept")] = None
+    save_every: Annotated[int | None, Field(description="keep the density every so many steps")] = (
+        None
+    )
+
+
+class TableModel(_Model):
+    """Which number of every run goes into the table."""
+
+    quantity: Annotated[
+        str,
+        Field(
+            description="a variable of the runs, at its last time; for collisions 'collision_error'"
+        ),
+    ]
+    paper: Annotated[str | None, Field(description="reference file of printed values")] = None
+
+
+class FitModel(_Model):
+    """What is fitted to the runs."""
+
+    law: Literal["order", "haff"]
+    x: Annotated[str | None, Field(description="for an order: the refined parameter")] = None
+
+
+class FigureModel(_Model):
+    """What is drawn: a quantity against a swept parameter, or temperature against time."""
+
+    kind: Literal["convergence", "cooling", "speed"]
+    x: Annotated[str | None, Field(description="the parameter on the abscissa")] = None
+
+
+class Experiment(_Model):
+    """Runs of one kind: a scene and a solver, swept."""
+
+    title: str
+    run: Literal["evolution", "collision", "benchmark"]
+    scene: SceneModel
+    solver: SolverModel = SolverModel()
+    time: TimeModel | None = None
+    reference: Annotated[
+        SolverModel | None,
+        Field(description="for collisions: the solver that errors are measured against"),
+    ] = None
+    threads: Annotated[int, Field(ge=1, description="cores a run takes")] = 1
+    sweep: Annotated[
+        list[dict[str, Value | list[Value]]],
+        Field(min_length=1, description="blocks; each the product of its lists"),
+    ]
+    table: TableModel | None = None
+    fit: FitModel | None = None
+    figure: FigureModel | None = None
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> "Experiment":
+        if (self.run == "evolution") != (self.time is not None):
+            raise ValueError("time: evolution runs need it, others do not take it")
+        if (self.run == "collision") != (self.reference is not None):
+            raise ValueError("reference: collision runs need it, others do not take it")
+        keys = [tuple(k for k in SWEPT if k in block) for block in self.sweep]
+        for block in self.sweep:
+            for key in block:
+                if key not in SWEPT:
+                    raise ValueError(
+                        f"sweep: unknown parameter {key!r}{nearest(key, SWEPT)}: "
+                        f"allowed are {', '.join(SWEPT)}"
+                    )
+        if len(set(keys)) > 1:
+            raise ValueError(f"sweep: all blocks must set the same parameters, got {keys}")
+        return self
+
+
+class StudyFile(_Model):
+    """A study: titled experiments, each swept over its parameters."""
+
+    title: str
+    experiments: Annotated[dict[str, Experiment], Field(min_length=1)]
+
+
+def read_study_file(path: str | Path) -> StudyFile:
+    """Read a study file; its runs are not checked yet.
+
+    Raises
+    ------
+    ValueError
+        One line an error, each naming the file, the field, the value and what is allowed.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise ValueError(f"study {str(path)!r}: no such file")
+    try:
+        content = yaml.safe_load(path.read_text())
+    except yaml.YAMLError as error:
+        raise ValueError(f"{path}: not YAML: {error}") from None
+    try:
+        return StudyFile.model_validate(content)
+    except ValidationError as error:
+        lines = [f"{path}: {_explain(problem)}" for problem in error.errors()]
+        raise ValueError("\n".join(lines)) from None
+
+
+def _explain(problem: Any) -> str:
+    """One line for one of pydantic's errors."""
+    where = ".".join(str(part) for part in problem["loc"] if "Model" not in str(part))
+    value = problem["input"]
+    if problem["type"] == "extra_forbidden":
+        known = _known_fields(problem["loc"])
+        key = str(problem["loc"][-1])
+        return f"{where}: unknown field{nearest(key, known)}; allowed are {', '.join(known)}"
+    if problem["type"] == "missing":
+        return f"{where}: must be given"
+    message = problem["msg"].removeprefix("Value error, ")
+    hint = ""
+    if isinstance(value, str) and problem["type"].startswith(("float", "int")):
+        try:
+            float(value)
+            hint = " (YAML reads 1e-3 as text: write 1.0e-3)"
+        except ValueError:
+            pass
+    shown = "" if isinstance(value, dict) else f"value {value!r}: "
+    return f"{where}: {shown}{message}{hint}"
+
+
+def _known_fields(location: tuple[Any, ...]) -> list[str]:
+    """Fields allowed where an unknown one was found."""
+    if len(location) == 1:
+        return list(StudyFile.model_fields)
+    parts: dict[str, type[BaseModel]] = {
+        "scene": SceneModel,
+        "solver": SolverModel,
+        "time": TimeModel,
+        "table": TableModel,
+        "fit": FitModel,
+        "figure": FigureModel,
+        "restitution": ViscoelasticModel,
+    }
+    for part in reversed(location[:-1]):
+        if part in parts:
+            return list(parts[str(part)].model_fields)
+    return list(Experiment.model_fields)
+
+
+def write_schema(path: str | Path) -> None:
+    """Write the JSON schema of study files, for editors that complete and check YAML."""
+    schema = json.dumps(StudyFile.model_json_schema(), indent=1, ensure_ascii=False)
+    Path(path).write_text(schema + "\n")
+
+
+if __name__ == "__main__":
+    write_schema("workflow/config/study.schema.json")
