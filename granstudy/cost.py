@@ -16,17 +16,27 @@ from granstudy.scene import Scene
 from granstudy.solver import Solver
 from granstudy.symmetry import Symmetry
 
-SECONDS_PER_POINT = {"literal": 8.5e-10, "fast": 2.0e-10, "carleman": 1.9e-10}
+SECONDS_PER_POINT = {"literal": 8.5e-10, "fast": 2.0e-10, "carleman": 2.4e-10}
 """Of one transform of n points with the loops around it, per n·log2 n, on one core of a 2021 server."""
 
 SECONDS_PER_TRANSFORM = {"literal": 1.0e-6, "fast": 1.5e-6, "carleman": 1.5e-6}
 """Of one transform whatever its size, the calls themselves."""
 
-SERIES_FACTOR = 2.0
+CACHED_POINTS = 2**16
+OUT_OF_CACHE = 1.4
+"""How much longer a point takes in real transforms of more points than a core's cache holds."""
+
+SERIES_FACTOR = {2: 11.0, 3: 6.0}
 """How much longer `fast` takes where e depends on the impact speed."""
 
 SECONDS_PER_PAIR = 6.0e-9
 """Of one pair of modes in the direct method."""
+
+SECONDS_PER_SHELL = 1.6e-4
+"""Of one length |k| of modes in the direct method, which shares its weights."""
+
+SHELLS = {2: 0.14, 3: 0.62}
+"""About how many lengths |k| there are, over N²: sums of two squares are rarer than those of three."""
 
 SECONDS_PER_WEIGHT = 1.8e-7
 """Of one node of the integrals in the radial method's tensor."""
@@ -55,8 +65,17 @@ PLANNING_MEMORY = 150
 ORBIT_POWER = 0.6
 """A symmetry group saves this power of its order: many orbits are smaller than the group."""
 
-PLANNING_EVALUATIONS = 12
+PLANNING_EVALUATIONS = 40
 """What choosing a quadrature costs, in evaluations with it."""
+
+SETUP_SECONDS = 0.02
+"""Of any set-up: rules, weights, plans of transforms."""
+
+SECONDS_PER_FILTER = 1.0e-7
+"""Of one number of the filters that `carleman` stores."""
+
+SECONDS_PER_SPLIT = 0.013
+"""Of splitting a weight into several products for `carleman`, over N."""
 
 EFFICIENCY = {"literal": 0.7, "direct": 0.95, "fast": 0.85, "radial": 0.0, "carleman": 0.6}
 """What each thread after the first adds, in parts of the first."""
@@ -147,11 +166,13 @@ def evaluation_seconds(
         return call + solver.N**3 * SECONDS_PER_TERM
     points = (solver.N if n is None else n) ** scene.dim
     if solver.method == "direct":
-        return call + points**2 * SECONDS_PER_PAIR
+        shells = SHELLS[scene.dim] * solver.N**2
+        return call + shells * SECONDS_PER_SHELL + points**2 * SECONDS_PER_PAIR
     each = SECONDS_PER_TRANSFORM[solver.method]
-    each += SECONDS_PER_POINT[solver.method] * points * math.log2(points)
+    larger = OUT_OF_CACHE if points > CACHED_POINTS and solver.method != "literal" else 1.0
+    each += SECONDS_PER_POINT[solver.method] * larger * points * math.log2(points)
     if solver.method == "fast" and callable(scene.restitution):
-        each *= SERIES_FACTOR
+        each *= SERIES_FACTOR[scene.dim]
     return call + transforms * each
 
 
@@ -160,10 +181,14 @@ def setup_seconds(scene: Scene, solver: Solver, each: float) -> float:
     if solver.method == "radial":
         # N²/2 pairs of modes, about 24 + N angles, 24 + 4N/3 shells; nothing where it is in the cache.
         nodes = solver.N**2 / 2 * (24 + solver.N) * (24 + 4 * solver.N / 3)
-        return nodes * SECONDS_PER_WEIGHT
+        return SETUP_SECONDS + nodes * SECONDS_PER_WEIGHT
     if solver.rtol is not None:
-        return PLANNING_EVALUATIONS * each
-    return 0.0
+        return SETUP_SECONDS + PLANNING_EVALUATIONS * each
+    if solver.method == "carleman":
+        entries = 0.3 * solver.N**scene.dim * transform_count(scene, solver)
+        several = product_count(scene, solver.grid(scene.dim)) > 1
+        return entries * SECONDS_PER_FILTER + several * solver.N * SECONDS_PER_SPLIT
+    return SETUP_SECONDS
 
 
 def step_seconds(scene: Scene, solver: Solver) -> float:

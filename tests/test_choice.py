@@ -26,13 +26,12 @@ def isotropic(dim, **overrides):
         (isotropic(2, restitution=gs.Viscoelastic(0.2)), 32, "fast"),
         (gs.load_scene("maxwellian3d", velocity=(0.5, 0.0, 0.0), restitution=0.5), 32, "fast"),
         (asymmetric_scene(3, 0, HARD, 1.0), 32, "carleman"),
-        (asymmetric_scene(3, 0, HARD, 0.5), 32, "fast"),
+        (asymmetric_scene(3, 0, HARD, 0.3), 32, "fast"),
         (asymmetric_scene(3, 0, MAXWELL, 0.9), 32, "fast"),
         *((asymmetric_scene(2, 0, MAXWELL, e), 64, "carleman") for e in (1.0, 0.99, 0.95, 0.9)),
         (asymmetric_scene(2, 0, MAXWELL, 0.2), 64, "fast"),
         (asymmetric_scene(2, 0, HARD, 1.0), 64, "carleman"),
         (asymmetric_scene(2, 0, HARD, 0.9), 64, "fast"),
-        (asymmetric_scene(2, 0, HARD, 0.5), 8, "direct"),
     ],
 )
 def test_the_method_follows_the_scene(scene, N, method):
@@ -40,6 +39,13 @@ def test_the_method_follows_the_scene(scene, N, method):
     assert choice.solver.method == method, choice.reason
     assert choice.reason.startswith(method)
     assert choice.solver == gs.choose(scene, gs.Solver(N, 8.0, method="auto", threads=None)).solver
+
+
+def test_direct_is_for_grids_so_small_that_it_is_the_cheapest():
+    scene = asymmetric_scene(2, 0, HARD, 0.5)
+    fine = {"R": 8.0, "M_cir": 96, "method": "auto"}
+    assert gs.choose(scene, gs.Solver(N=8, **fine)).solver.method == "direct"
+    assert gs.choose(scene, gs.Solver(N=32, **fine)).solver.method == "fast"
 
 
 def test_carleman_gets_directions_for_the_error_of_fast():
@@ -58,7 +64,7 @@ def test_carleman_gets_directions_for_the_error_of_fast():
     [
         (isotropic(2, restitution=0.5), {"N": 32}),
         (asymmetric_scene(2, 0, MAXWELL, 1.0), {"N": 32}),
-        (asymmetric_scene(2, 0, HARD, 0.5), {"N": 8}),
+        (asymmetric_scene(2, 0, HARD, 0.5), {"N": 8, "M_cir": 96}),
         (asymmetric_scene(2, 0, HARD, 0.5), {"N": 32}),
     ],
 )
