@@ -77,8 +77,9 @@ SECONDS_PER_FILTER = 1.0e-7
 SECONDS_PER_SPLIT = 0.013
 """Of splitting a weight into several products for `carleman`, over N."""
 
-EFFICIENCY = {"literal": 0.7, "direct": 0.95, "fast": 0.85, "radial": 0.0, "carleman": 0.6}
-"""What each thread after the first adds, in parts of the first."""
+EFFICIENCY = {"literal": 0.5, "direct": 0.7, "fast": 0.5, "radial": 0.0, "carleman": 0.5}
+"""What each thread after the first adds, in parts of the first. Of `direct` and `literal` as in the study
+`quick` (Table 5, N = 16); the others are not measured on a quiet machine, between none and all."""
 
 INTERPRETER_MB = 300
 """Python with NumPy, SciPy, Numba and xarray loaded."""
