@@ -6,6 +6,7 @@ include: "workflow/rules/common.smk"
 include: "workflow/rules/run.smk"
 include: "workflow/rules/aggregate.smk"
 include: "workflow/rules/notebook.smk"
+include: "workflow/rules/plan.smk"
 
 
 rule all:

@@ -1,22 +1,26 @@
 """granstudy: parameter studies of granular gases with the fast Fourier spectral method."""
 
 from granstudy.aggregate import final_values, open_runs, unstack_runs
+from granstudy.choice import choose
 from granstudy.collision import CollisionOperator, collision_operator
 from granstudy.collision.plan import QuadraturePlan
 from granstudy.dataset import read_dataset, write_dataset
 from granstudy.evolve import simulate
+from granstudy.forecast import Forecast, plan
 from granstudy.grid import VelocityGrid
 from granstudy.kernel import VHS, Viscoelastic, hard_spheres, maxwell
 from granstudy.moments import moments
 from granstudy.radial_grid import RadialGrid
 from granstudy.resolution import fit_solver
 from granstudy.scene import Scene, load_scene
-from granstudy.solver import Solver
+from granstudy.solver import Choice, Solver
 from granstudy.symmetry import Symmetry
 
 __all__ = [
     "VHS",
+    "Choice",
     "CollisionOperator",
+    "Forecast",
     "QuadraturePlan",
     "RadialGrid",
     "Scene",
@@ -24,6 +28,7 @@ __all__ = [
     "Symmetry",
     "VelocityGrid",
     "Viscoelastic",
+    "choose",
     "collision_operator",
     "final_values",
     "fit_solver",
@@ -32,6 +37,7 @@ __all__ = [
     "maxwell",
     "moments",
     "open_runs",
+    "plan",
     "read_dataset",
     "simulate",
     "unstack_runs",

@@ -1,21 +1,42 @@
-"""What a run will cost, before it starts: seconds and memory."""
+"""What a run will cost, before it starts: seconds and memory.
+
+The constants are medians on one machine, and a machine's own speed is a factor on
+all of them. Estimates take no longer than a workflow can wait for before it starts; `granstudy.plan`
+counts transforms exactly.
+"""
 
 import math
 from dataclasses import dataclass
+from functools import cache
 
 from granstudy.collision.carleman_scenes import product_count
-from granstudy.collision.rules import directions
+from granstudy.collision.rules import directions, reduce_directions
+from granstudy.quadrature import circle_rule, sphere_rule
 from granstudy.scene import Scene
 from granstudy.solver import Solver
+from granstudy.symmetry import Symmetry
 
-SECONDS_PER_POINT = {"literal": 8.5e-10, "fast": 2.0e-10, "carleman": 1.9e-10}
+SECONDS_PER_POINT = {"literal": 8.5e-10, "fast": 2.0e-10, "carleman": 2.4e-10}
 """Of one transform of n points with the loops around it, per n·log2 n, on one core of a 2021 server."""
 
 SECONDS_PER_TRANSFORM = {"literal": 1.0e-6, "fast": 1.5e-6, "carleman": 1.5e-6}
 """Of one transform whatever its size, the calls themselves."""
 
+CACHED_POINTS = 2**16
+OUT_OF_CACHE = 1.4
+"""How much longer a point takes in real transforms of more points than a core's cache holds."""
+
+SERIES_FACTOR = {2: 11.0, 3: 6.0}
+"""How much longer `fast` takes where e depends on the impact speed."""
+
 SECONDS_PER_PAIR = 6.0e-9
 """Of one pair of modes in the direct method."""
+
+SECONDS_PER_SHELL = 1.6e-4
+"""Of one length |k| of modes in the direct method, which shares its weights."""
+
+SHELLS = {2: 0.14, 3: 0.62}
+"""About how many lengths |k| there are, over N²: sums of two squares are rarer than those of three."""
 
 SECONDS_PER_WEIGHT = 1.8e-7
 """Of one node of the integrals in the radial method's tensor."""
@@ -23,8 +44,16 @@ SECONDS_PER_WEIGHT = 1.8e-7
 SECONDS_PER_TERM = 2.0e-10
 """Of one of the N³ terms of the radial method's bilinear form."""
 
-SECONDS_PER_CALL = 1.0e-4
-"""Of one evaluation by the radial method whatever its size, with its share of a step's moments and checks."""
+SECONDS_PER_CALL = {
+    "literal": 1.0e-4, "direct": 1.0e-4, "fast": 1.0e-4, "radial": 1.0e-5, "carleman": 1.0e-4
+}  # fmt: skip
+"""Of one evaluation whatever its size: checks, and handing the shares to threads."""
+
+SECONDS_PER_STEP = 2.5e-4
+"""Of a step's moments and checks whatever the grid."""
+
+SECONDS_PER_STEP_POINT = 3.0e-8
+"""Of a step's sums, moments and checks, a grid point."""
 
 NODES_PER_DIGIT2 = {2: 2.5, 3: 10.0}
 """Nodes ±g that a tolerance comes to, over the square of its digits log₁₀(1/rtol): a fit to densities that
@@ -36,8 +65,21 @@ PLANNING_MEMORY = 150
 ORBIT_POWER = 0.6
 """A symmetry group saves this power of its order: many orbits are smaller than the group."""
 
-PLANNING_EVALUATIONS = 12
+PLANNING_EVALUATIONS = 40
 """What choosing a quadrature costs, in evaluations with it."""
+
+SETUP_SECONDS = 0.02
+"""Of any set-up: rules, weights, plans of transforms."""
+
+SECONDS_PER_FILTER = 1.0e-7
+"""Of one number of the filters that `carleman` stores."""
+
+SECONDS_PER_SPLIT = 0.013
+"""Of splitting a weight into several products for `carleman`, over N."""
+
+EFFICIENCY = {"literal": 0.5, "direct": 0.7, "fast": 0.5, "radial": 0.0, "carleman": 0.5}
+"""What each thread after the first adds, in parts of the first. Of `direct` and `literal` as in the study
+`quick` (Table 5, N = 16); the others are not measured on a quiet machine, between none and all."""
 
 INTERPRETER_MB = 300
 """Python with NumPy, SciPy, Numba and xarray loaded."""
@@ -45,37 +87,69 @@ INTERPRETER_MB = 300
 
 @dataclass(frozen=True)
 class Cost:
-    """Estimate for one run on one thread."""
+    """Estimate for one run on one thread.
 
-    seconds: float
+    Attributes
+    ----------
+    setup : float
+        Seconds before the first evaluation of Q.
+    each : float
+        Seconds of an evaluation.
+    evaluations : int
+    memory_mb : int
+    """
+
+    setup: float
+    each: float
+    evaluations: int
     memory_mb: int
+
+    @property
+    def seconds(self) -> float:
+        """Seconds of the set-up and all evaluations."""
+        return self.setup + self.evaluations * self.each
 
 
 def estimate(scene: Scene, solver: Solver, evaluations: int) -> Cost:
-    """Cost of so many evaluations of Q."""
+    """Cost of so many evaluations of Q by a solver that leaves nothing open."""
+    transforms = transform_count(scene, solver)
+    each = evaluation_seconds(scene, solver, transforms)
+    setup = setup_seconds(scene, solver, each)
+    return Cost(setup, each, evaluations, memory_mb(scene, solver, transforms))
+
+
+def transform_count(scene: Scene, solver: Solver) -> int:
+    """Transforms an evaluation makes: about as many by `carleman` and under a tolerance, else exactly."""
     if solver.method == "radial":
-        # N²/2 pairs of modes, about 24 + N angles, 24 + 4N/3 shells; nothing where it is in the cache.
-        nodes = solver.N**2 / 2 * (24 + solver.N) * (24 + 4 * solver.N / 3)
-        tensor = nodes * SECONDS_PER_WEIGHT
-        each = SECONDS_PER_CALL + solver.N**3 * SECONDS_PER_TERM
-        memory = 20 * solver.N**3
-        return Cost(tensor + evaluations * each, INTERPRETER_MB + _megabytes(memory))
-    n = solver.N**scene.dim
+        return 0
     if solver.method == "direct":
-        return Cost(evaluations * n**2 * SECONDS_PER_PAIR, INTERPRETER_MB + _megabytes(40 * n))
-    if solver.method == "carleman":
-        return _carleman(scene, solver, evaluations)
+        return 2
     if solver.rtol is not None:
-        transforms = 2 * planned_nodes(scene, solver.rtol)
-        evaluations += PLANNING_EVALUATIONS
-        stored = PLANNING_MEMORY
-    else:
-        assert solver.N_rho is not None
-        nodes = solver.N_rho * len(directions(scene, solver))
-        transforms = 2 * nodes if solver.method == "literal" else nodes
-        stored = solver.N_rho if solver.method == "literal" else 0
-    seconds = evaluations * transforms * _seconds_per_transform(solver.method, n)
-    return Cost(seconds, INTERPRETER_MB + _megabytes((40 + stored) * n))
+        return 2 * planned_nodes(scene, solver.rtol) + 3
+    if solver.method == "carleman":
+        # Two a product and pair of directions.
+        pairs = len(directions(scene, solver)) // 2
+        if scene.dim == 2 and scene.restitution == 1.0 and solver.M_cir % 4 == 0:
+            pairs //= 2
+        return 2 * pairs * product_count(scene, solver.grid(scene.dim)) + 2
+    assert solver.N_rho is not None
+    if solver.method == "literal":
+        full = solver.variant == "full"
+        return 2 * solver.N_rho * len(directions(scene, solver)) + (2 if full else 3)
+    return 2 * solver.N_rho * reduced_count(scene, solver) + 3
+
+
+def reduced_count(scene: Scene, solver: Solver) -> int:
+    """Directions that `fast` evaluates: one of each orbit of the scene's symmetry."""
+    M = solver.M_cir if scene.dim == 2 else solver.M_sph
+    size = tuple(M) if isinstance(M, (tuple, list)) else M
+    return _reduced(scene.dim, size, solver.sphere_rule, scene.symmetry)
+
+
+@cache
+def _reduced(dim: int, size: int | tuple[int, ...], name: str, group: Symmetry) -> int:
+    rule = circle_rule(size) if dim == 2 else sphere_rule(size, name)  # type: ignore[arg-type]
+    return len(reduce_directions(rule, group)[1])
 
 
 def planned_nodes(scene: Scene, rtol: float) -> int:
@@ -84,17 +158,64 @@ def planned_nodes(scene: Scene, rtol: float) -> int:
     return math.ceil(pairs / len(scene.symmetry) ** ORBIT_POWER)
 
 
-def _carleman(scene: Scene, solver: Solver, evaluations: int) -> Cost:
-    """Two transforms a product and pair of directions; a filter each on the ball of modes is stored."""
-    n = solver.N**scene.dim
-    transforms = len(directions(scene, solver)) * product_count(scene, solver.grid(scene.dim))
-    seconds = evaluations * transforms * _seconds_per_transform(solver.method, n)
-    return Cost(seconds, INTERPRETER_MB + _megabytes(40 * n + 0.3 * n * transforms))
+def evaluation_seconds(
+    scene: Scene, solver: Solver, transforms: int, n: int | None = None
+) -> float:
+    """Seconds of one evaluation that makes so many transforms, of n points a dimension (N by default)."""
+    call = SECONDS_PER_CALL[solver.method]
+    if solver.method == "radial":
+        return call + solver.N**3 * SECONDS_PER_TERM
+    points = (solver.N if n is None else n) ** scene.dim
+    if solver.method == "direct":
+        shells = SHELLS[scene.dim] * solver.N**2
+        return call + shells * SECONDS_PER_SHELL + points**2 * SECONDS_PER_PAIR
+    each = SECONDS_PER_TRANSFORM[solver.method]
+    larger = OUT_OF_CACHE if points > CACHED_POINTS and solver.method != "literal" else 1.0
+    each += SECONDS_PER_POINT[solver.method] * larger * points * math.log2(points)
+    if solver.method == "fast" and callable(scene.restitution):
+        each *= SERIES_FACTOR[scene.dim]
+    return call + transforms * each
 
 
-def _seconds_per_transform(method: str, n: int) -> float:
-    """Seconds of one transform of n points, with its share of the loops around it."""
-    return SECONDS_PER_TRANSFORM[method] + SECONDS_PER_POINT[method] * n * math.log2(n)
+def setup_seconds(scene: Scene, solver: Solver, each: float) -> float:
+    """Seconds before the first evaluation."""
+    if solver.method == "radial":
+        # N²/2 pairs of modes, about 24 + N angles, 24 + 4N/3 shells; nothing where it is in the cache.
+        nodes = solver.N**2 / 2 * (24 + solver.N) * (24 + 4 * solver.N / 3)
+        return SETUP_SECONDS + nodes * SECONDS_PER_WEIGHT
+    if solver.rtol is not None:
+        return SETUP_SECONDS + PLANNING_EVALUATIONS * each
+    if solver.method == "carleman":
+        entries = 0.3 * solver.N**scene.dim * transform_count(scene, solver)
+        several = product_count(scene, solver.grid(scene.dim)) > 1
+        return entries * SECONDS_PER_FILTER + several * solver.N * SECONDS_PER_SPLIT
+    return SETUP_SECONDS
+
+
+def step_seconds(scene: Scene, solver: Solver) -> float:
+    """Seconds that a step takes beside its evaluations."""
+    points = solver.N if solver.method == "radial" else solver.N**scene.dim
+    return SECONDS_PER_STEP + SECONDS_PER_STEP_POINT * points
+
+
+def on_threads(seconds: float, method: str, threads: int) -> float:
+    """What seconds on one thread become on so many."""
+    return seconds / (1.0 + EFFICIENCY[method] * (threads - 1))
+
+
+def memory_mb(scene: Scene, solver: Solver, transforms: int) -> int:
+    """Megabytes of the process: the interpreter, and what the method stores."""
+    if solver.method == "radial":
+        return INTERPRETER_MB + _megabytes(20 * solver.N**3)
+    stored = 40.0
+    if solver.rtol is not None:
+        stored += PLANNING_MEMORY
+    elif solver.method == "literal":
+        assert solver.N_rho is not None
+        stored += solver.N_rho
+    elif solver.method == "carleman":  # a filter a transform, on the ball of modes
+        stored += 0.3 * transforms
+    return INTERPRETER_MB + _megabytes(stored * solver.N**scene.dim)
 
 
 def _megabytes(numbers: float) -> int:

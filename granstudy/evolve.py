@@ -10,7 +10,7 @@ import xarray as xr
 from tqdm import tqdm
 
 from granstudy import health
-from granstudy.collision import CollisionOperator, collision_operator
+from granstudy.collision import CollisionOperator, collision_operator, concrete
 from granstudy.collision.operator import NotFiniteError, SpectrumOperator
 from granstudy.dataset import Status, evolution_dataset
 from granstudy.moments import moment_values
@@ -44,7 +44,8 @@ def simulate(
     xarray.Dataset
         Moments at every step over ``time``, exact laws and errors where a law is known, `status` and
         warnings (see `granstudy.dataset.evolution_dataset`). A run that cannot go on ends early
-        with its status and what it had computed.
+        with its status and what it had computed. Where the solver left something open, its coordinates
+        and the attribute ``solver`` say what was chosen, ``choice`` why, and ``asked_solver`` what was asked.
 
     Raises
     ------
@@ -54,6 +55,8 @@ def simulate(
     steps = step_count(t_final, dt)
     if save_every is not None and (not isinstance(save_every, int) or save_every < 1):
         raise ValueError(f"save_every={save_every!r}: must be a positive integer or None")
+    choice = concrete(scene, solver)
+    solver = choice.solver
     operator = collision_operator(scene, solver)
     grid = operator.grid
     advance = equation(operator, scene.diffusion)
@@ -87,10 +90,11 @@ def simulate(
                 found.setdefault(name, f"from t = {step * dt:g}: {text}")
             for name, text in tuning.review(step, step * dt, f).items():
                 found.setdefault(name, f"from t = {step * dt:g}: {text}")
-    return evolution_dataset(
+    ds = evolution_dataset(
         scene, solver, grid, dt, history, snapshots, status, reason, list(found.values()),
         tuning.plans,
     )  # fmt: skip
+    return ds.assign_attrs(choice.attributes())
 
 
 def step_count(t_final: float, dt: float) -> int:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from granstudy.collision import collision_operator
+from granstudy.collision import collision_operator, concrete
 from granstudy.dataset import collision_dataset, read_dataset, write_dataset
 from granstudy.evolve import simulate
 from granstudy.run import Run
@@ -32,9 +32,11 @@ def execute(run: Run, threads: int) -> xr.Dataset:
             dt=run.dt,
             save_every=run.model.time.save_every,
         )
-    operator = collision_operator(run.scene, solver)
+    choice = concrete(run.scene, solver)
+    operator = collision_operator(run.scene, choice.solver)
     Q = operator(run.scene.density(operator.grid))
-    return collision_dataset(run.scene, solver, operator.grid, Q, Tuning(operator).plans)
+    ds = collision_dataset(run.scene, choice.solver, operator.grid, Q, Tuning(operator).plans)
+    return ds.assign_attrs(choice.attributes())
 
 
 def execute_job(

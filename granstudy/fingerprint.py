@@ -19,13 +19,14 @@ DATA = {"granstudy.quadrature.design_data": PACKAGE / "quadrature" / "data"}
 """Folders of data that a module reads; they count as its code."""
 
 
-def run_fingerprint(kind: str, operator: str) -> str:
+def run_fingerprint(kind: str, operator: str, also: tuple[str, ...] = ()) -> str:
     """Fingerprint of the modules behind an ``evolution`` or ``collision`` run with an operator.
 
-    ``operator`` is `Solver.operator`: the method, or ``adaptive`` where it has a tolerance.
+    ``operator`` is `Solver.operator`: the method, or ``adaptive`` where it has a tolerance; ``also``
+    are modules that choose it.
     """
     entry = {"evolution": "granstudy.evolve", "collision": "granstudy.dataset"}[kind]
-    return fingerprint((entry, "granstudy.collision.operator", OPERATORS[operator][0]))
+    return fingerprint((entry, "granstudy.collision.operator", OPERATORS[operator][0], *also))
 
 
 def fingerprint(modules: Iterable[str]) -> str:

@@ -65,5 +65,8 @@ def jobs(runs: list[Run]) -> list[Job]:
 
 def run_key(run: Run) -> str:
     """Hash over all that a run's numbers depend on: its parameters and the code that computes it."""
-    code = run_fingerprint(run.model.run, run.solver.operator)
+    chooses = ("granstudy.choice",) if run.solver.is_open else ()
+    if run.solver.N is None:
+        chooses += ("granstudy.resolution",)
+    code = run_fingerprint(run.model.run, run.choice.solver.operator, chooses)
     return hashlib.sha256(f"{run.parameters()}\n{code}".encode()).hexdigest()[:32]

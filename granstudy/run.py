@@ -1,12 +1,13 @@
 """One run of a study: its scene, solver and times, its canonical name, its cost."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from functools import cached_property
 from typing import Any
 from urllib.parse import quote
 
+from granstudy.choice import choose
 from granstudy.collision import carleman_scenes
 from granstudy.collision.rules import directions
 from granstudy.cost import Cost, estimate
@@ -14,11 +15,15 @@ from granstudy.evolve import step_count
 from granstudy.isotropy import check_isotropic
 from granstudy.kernel import VHS, Viscoelastic, check_restitution, sphere_area
 from granstudy.scene import Scene, load_scene
-from granstudy.solver import Solver
+from granstudy.solver import TAKES_RTOL, Choice, Solver
 from granstudy.study_file import Experiment, SolverModel, ViscoelasticModel
 
 SHARED_WITH_REFERENCE = ("e", "exponent", "epsilon", "N", "R", "N_rho")
 """What a collision run's reference takes over from the run: all but the rule on the sphere."""
+
+
+STAND_IN = {2: (64, 8.0), 3: (32, 8.0)}
+"""N and R of estimates where a tolerance chooses them when the run starts."""
 
 
 @dataclass(frozen=True)
@@ -83,8 +88,9 @@ class Run:
             assert self.model.reference is not None
             settings.pop("rtol", None)
             settings |= self.model.reference.model_dump(exclude_none=True)
+        chosen = "rtol" in settings and settings.get("method", "fast") in TAKES_RTOL
         for needed in ("N", "R"):
-            if needed not in settings:
+            if needed not in settings and not chosen:
                 raise ValueError(f"{needed}: set solver.{needed} or sweep {needed}")
         if isinstance(settings.get("M_sph"), list):
             settings["M_sph"] = tuple(settings["M_sph"])
@@ -109,25 +115,40 @@ class Run:
         return 3 * step_count(self.model.time.t_final, self.dt)
 
     @cached_property
+    def choice(self) -> Choice:
+        """What the solver leaves open, as it will be chosen; N and R are stand-ins where they are open.
+
+        Choosing those takes too long before a workflow starts.
+        """
+        solver = self.solver
+        if solver.N is None:
+            N, R = STAND_IN[self.scene.dim]
+            solver = replace(solver, N=N, R=R)
+        return replace(choose(self.scene, solver), asked=self.solver)
+
+    @cached_property
     def cost(self) -> Cost:
         """Estimated seconds and memory of the run."""
-        return estimate(self.scene, self.solver, self.evaluations)
+        return estimate(self.scene, self.choice.solver, self.evaluations)
 
     def check(self) -> None:
         """Raise ValueError for anything that would stop the run later."""
-        check_restitution(self.scene.restitution, self.solver.R)
-        radial = self.solver.method == "radial"
+        if self.solver.N is None and self.model.run == "benchmark":
+            raise ValueError("N=None: benchmark runs need N and R")
+        solver = self.choice.solver
+        check_restitution(self.scene.restitution, solver.R)
+        radial = solver.method == "radial"
         if radial:
-            check_isotropic(self.scene, self.solver.R)
-        elif self.solver.rtol is None:
-            directions(self.scene, self.solver)
-        if self.solver.method == "carleman":
+            check_isotropic(self.scene, solver.R)
+        elif solver.rtol is None:
+            directions(self.scene, solver)
+        if solver.method == "carleman":
             carleman_scenes.check_scene(self.scene)
         if self.model.reference is not None and not self.is_reference:
-            other = self.reference.solver.method
+            other = self.reference.choice.solver.method
             if radial != (other == "radial"):
                 raise ValueError(
-                    f"method {self.solver.method!r}: has other velocity nodes than its reference's "
+                    f"method {solver.method!r}: has other velocity nodes than its reference's "
                     f"method {other!r}; a collision run and its reference must share them"
                 )
         _ = self.evaluations  # t_final must be a whole number of steps

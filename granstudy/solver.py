@@ -1,6 +1,7 @@
 """Solver: how well a scene is modelled — grid, quadrature, variant, method."""
 
 import dataclasses
+import json
 import os
 from dataclasses import dataclass
 from typing import Any
@@ -8,12 +9,15 @@ from typing import Any
 from granstudy.errors import unknown_name
 from granstudy.grid import VelocityGrid, check_node_count, check_point_count, check_radius
 
-METHODS = ("literal", "direct", "fast", "radial", "carleman")
+METHODS = ("auto", "literal", "direct", "fast", "radial", "carleman")
 VARIANTS = ("full", "separate")
 RADIAL_RULES = ("legendre", "jacobi")
 
 CHOSEN_BY_RTOL = {"N_rho", "M_sph", "M_cir", "sphere_rule", "radial_rule"}
 """Fields that a tolerance takes the place of."""
+
+TAKES_RTOL = ("auto", "fast", "radial")
+"""Methods that take a tolerance; `radial` has no quadrature error, so that it meets any."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +30,8 @@ class Solver:
         Grid points in each dimension, even; for `radial` the number of radial nodes, which resolve
         what a Cartesian grid of 1.7 N points in each dimension does.
     R : float
-        Truncation radius of the relative velocity.
+        Truncation radius of the relative velocity. Where ``rtol`` is given, N and R may both be left out:
+        they are then chosen for the scene's initial density (`granstudy.fit_solver`).
     N_rho : int or None
         Radial nodes; None lets `direct` take as many as the integral needs to converge.
     M_sph, M_cir : int
@@ -35,17 +40,20 @@ class Solver:
     variant : str
         ``full``: gain and loss with the same nodes. ``separate``: the loss from its closed form.
     method : str
-        ``literal`` (the paper's recipe), ``direct`` (O(N^{2d}) reference), ``fast``, ``radial``
-        (isotropic densities and constant e only; N_rho, M_sph, M_cir, variant are not used),
+        ``auto`` (the cheapest one that can do the scene, see `granstudy.choose`; N then counts
+        Cartesian points, whatever is chosen), ``literal`` (the paper's recipe), ``direct`` (O(N^{2d})
+        reference), ``fast``, ``radial`` (isotropic densities and constant e only; N_rho, M_sph, M_cir,
+        variant are not used),
         ``carleman`` (elastic and near-elastic scenes; N_rho is not used).
     sphere_rule : str
         ``design``, ``lebedev``, ``product``, ``gauss-theta-phi``, or a text file of unit vectors.
     radial_rule : str
         ``legendre`` (the paper) or ``jacobi`` (spectral for every λ).
     rtol : float or None
-        For `fast`: tolerance in (0, 1) of Q's quadrature error over max|Q| (near an equilibrium, where Q
-        vanishes, over a hundredth of the loss), and half that of its mass, momentum and energy over those
-        of |Q|. The shells and the rule of each are then chosen for the scene, and N_rho, M_sph, M_cir,
+        For `fast`, and `auto`: tolerance in (0, 1) of Q's quadrature error over max|Q| (near an
+        equilibrium, where Q vanishes, over a hundredth of the loss), and half that of its mass, momentum
+        and energy over those of |Q|. The shells and the rule of each are then chosen for the scene, and
+        N_rho, M_sph, M_cir,
         sphere_rule and radial_rule are left alone.
     circular : bool
         For `direct`: do as the paper's direct method does. l+m wraps around the spectrum, as
@@ -59,8 +67,8 @@ class Solver:
         If a field is outside what is stated above; the message names field, value and allowed.
     """
 
-    N: int
-    R: float
+    N: int = None  # type: ignore[assignment]  # None only until `granstudy.choose`
+    R: float = None  # type: ignore[assignment]
     N_rho: int | None = 30
     M_sph: int | tuple[int, int] = 32
     M_cir: int = 30
@@ -73,8 +81,11 @@ class Solver:
     threads: int | None = None
 
     def __post_init__(self) -> None:
-        (check_node_count if self.method == "radial" else check_point_count)(self.N)
-        check_radius(self.R)
+        if self.N is None or self.R is None:
+            self._check_left_out()
+        else:
+            (check_node_count if self.method == "radial" else check_point_count)(self.N)
+            check_radius(self.R)
         if self.N_rho is None:
             if self.method != "direct":
                 raise ValueError(f"N_rho=None: only method 'direct' allows it, not {self.method!r}")
@@ -95,11 +106,23 @@ class Solver:
         if self.rtol is not None:
             self._check_rtol(self.rtol)
 
+    def _check_left_out(self) -> None:
+        for field, value in (("N", self.N), ("R", self.R)):
+            if value is None and self.rtol is None:
+                raise ValueError(
+                    f"{field}=None: only with rtol is it chosen; give {field}, or rtol"
+                )
+        if self.N is not None or self.R is not None:
+            raise ValueError(f"N={self.N!r}, R={self.R!r}: rtol chooses both; give both or neither")
+
     def _check_rtol(self, rtol: object) -> None:
         if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 0.0 < rtol < 1.0:
             raise ValueError(f"rtol={rtol!r}: must be a number between 0 and 1, or None")
-        if self.method != "fast":
-            raise ValueError(f"rtol={rtol!r}: only method 'fast' takes it, not {self.method!r}")
+        if self.method not in TAKES_RTOL:
+            raise ValueError(
+                f"rtol={rtol!r}: only methods {', '.join(map(repr, TAKES_RTOL))} take it, "
+                f"not {self.method!r}"
+            )
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             if field.name in CHOSEN_BY_RTOL and value != field.default:
@@ -110,7 +133,12 @@ class Solver:
     @property
     def operator(self) -> str:
         """Name of the operator behind the method: ``adaptive`` for `fast` with a tolerance."""
-        return self.method if self.rtol is None else "adaptive"
+        return "adaptive" if self.method == "fast" and self.rtol is not None else self.method
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it leaves the method or the grid to be chosen for a scene."""
+        return self.method == "auto" or self.N is None
 
     def grid(self, dim: int) -> VelocityGrid:
         """The Cartesian velocity grid in ``dim`` dimensions, of every method but `radial`."""
@@ -133,6 +161,30 @@ class Solver:
             for key, value in dataclasses.asdict(self).items()
             if key != "threads" and key not in unused
         }
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What became of a solver that left something open.
+
+    Attributes
+    ----------
+    asked, solver : Solver
+        What was asked for, and what does it; the same where nothing was left open.
+    reason : str
+        Why, in a line.
+    """
+
+    asked: Solver
+    solver: Solver
+    reason: str
+
+    def attributes(self) -> dict[str, str]:
+        """What a dataset says about it, beside the ``solver`` that did it; nothing where nothing was open."""
+        if self.solver == self.asked:
+            return {}
+        asked = json.dumps(self.asked.describe(), sort_keys=True)
+        return {"asked_solver": asked, "choice": self.reason}
 
 
 def _check_count(field: str, value: object) -> None:

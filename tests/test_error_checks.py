@@ -22,12 +22,15 @@ GOOD_SOLVER = {"N": 8, "R": 7.0}
         ({"M_cir": 2.5}, "M_cir=2.5: must be a positive integer"),
         ({"threads": 0}, "threads=0: must be a positive integer"),
         ({"variant": "seperate"}, "unknown variant 'seperate' .did you mean 'separate'"),
-        ({"method": "quick"}, "unknown method 'quick'.*literal, direct, fast, radial"),
+        ({"method": "quick"}, "unknown method 'quick'.*auto, literal, direct, fast, radial"),
         ({"radial_rule": "simpson"}, "unknown radial_rule 'simpson'"),
         ({"rtol": 0.0}, "rtol=0.0: must be a number between 0 and 1, or None"),
         ({"rtol": 1.0}, "rtol=1.0: must be a number between 0 and 1"),
         ({"rtol": "1e-6"}, "rtol='1e-6': must be a number"),
-        ({"rtol": 1e-6, "method": "literal"}, "rtol=1e-06: only method 'fast' takes it"),
+        (
+            {"rtol": 1e-6, "method": "literal"},
+            "rtol=1e-06: only methods .auto., .fast., .radial. take",
+        ),
         ({"rtol": 1e-6, "M_sph": 6}, "M_sph=6: rtol=1e-06 chooses it; leave one of them out"),
     ],
 )

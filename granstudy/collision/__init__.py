@@ -1,5 +1,5 @@
 """Collision operators Q(f,f) behind one protocol."""
 
-from granstudy.collision.operator import CollisionOperator, collision_operator
+from granstudy.collision.operator import CollisionOperator, collision_operator, concrete
 
-__all__ = ["CollisionOperator", "collision_operator"]
+__all__ = ["CollisionOperator", "collision_operator", "concrete"]

@@ -50,4 +50,4 @@ def product_count(scene: Scene, grid: VelocityGrid) -> int:
         return ELASTIC_PRODUCTS
     if e == 1.0:
         return 1
-    return 3 + int((1.0 - e) / 2.0 * reach(grid) * math.pi * grid.N / 2 / grid.L)
+    return 5 + int((1.0 - e) / 2.0 * reach(grid) * math.pi * grid.N / 2 / grid.L)

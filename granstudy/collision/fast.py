@@ -17,13 +17,12 @@ from granstudy.collision import kernels
 from granstudy.collision.gain import GainSum
 from granstudy.collision.nodes import Nodes, place_nodes
 from granstudy.collision.operator import check_state
-from granstudy.collision.rules import directions, radial_nodes
+from granstudy.collision.rules import directions, radial_nodes, reduce_directions
 from granstudy.collision.spectra import resize
 from granstudy.collision.transforms import RealTransforms
 from granstudy.collision.weights import loss_weight
 from granstudy.grid import VelocityGrid
-from granstudy.quadrature import Rule, half
-from granstudy.quadrature.orbits import invariance, representatives
+from granstudy.quadrature import half
 from granstudy.scene import Scene
 from granstudy.solver import Solver
 from granstudy.symmetry import Symmetry
@@ -105,19 +104,6 @@ def fast_operator(scene: Scene, solver: Solver) -> NodalOperator:
         loss = nodal_loss(grid, place_nodes(scene, grid, radial, [half(rule)] * len(radial)))
     gain = GainSum(scene, grid, nodes, solver.thread_count)
     return NodalOperator(grid, gain, group, spectrum_axes(grid, loss))
-
-
-def reduce_directions(rule: Rule, group: Symmetry) -> tuple[Symmetry, Rule]:
-    """The largest part of a group that the rule has too, and one direction of each orbit.
-
-    The group is {1} where it saves nothing over pairs ±ĝ.
-    """
-    pairs = half(rule)
-    kept = invariance(rule, group)
-    reduced = representatives(rule, kept)
-    if len(reduced) < len(pairs):
-        return kept, reduced
-    return Symmetry.named(group.dim, "none"), pairs
 
 
 def nodal_loss(grid: VelocityGrid, nodes: Nodes) -> np.ndarray:

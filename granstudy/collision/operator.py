@@ -8,7 +8,7 @@ import numpy as np
 from granstudy.grid import VelocityGrid
 from granstudy.kernel import check_restitution
 from granstudy.scene import Scene
-from granstudy.solver import Solver
+from granstudy.solver import Choice, Solver
 from granstudy.velocity_space import VelocitySpace
 
 if TYPE_CHECKING:
@@ -72,8 +72,22 @@ class TunedOperator(CollisionOperator, Protocol):
         """Choose the quadrature anew, for this density."""
 
 
+def concrete(scene: Scene, solver: Solver) -> Choice:
+    """The solver with what it leaves open chosen for the scene; itself where it leaves nothing open.
+
+    What chooses is imported only where something is open, so that it is no part of other runs' code.
+    """
+    if not solver.is_open:
+        return Choice(solver, solver, "")
+    choice: Choice = import_module("granstudy.choice").choose(scene, solver)
+    return choice
+
+
 def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:
     """Plan the collision operator of a scene as the solver's method does it.
+
+    What the solver leaves open, as ``method="auto"`` does, is first chosen (`granstudy.choose`); the kind of
+    grid is part of that choice.
 
     Raises
     ------
@@ -81,6 +95,7 @@ def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:
         If the scene's restitution leaves [0, 1] at impact speeds up to R, or the quadrature has no
         rule of the size asked for, or its tolerance cannot be reached on the grid.
     """
+    solver = concrete(scene, solver).solver
     check_restitution(scene.restitution, largest_speed=solver.R)
     module, name = OPERATORS[solver.operator]
     operator = getattr(import_module(module), name)

@@ -3,9 +3,11 @@
 import numpy as np
 
 from granstudy.grid import VelocityGrid
-from granstudy.quadrature import Rule, circle_rule, radial_rule, sphere_rule
+from granstudy.quadrature import Rule, circle_rule, half, radial_rule, sphere_rule
+from granstudy.quadrature.orbits import invariance, representatives
 from granstudy.scene import Scene
 from granstudy.solver import Solver
+from granstudy.symmetry import Symmetry
 
 
 def radial_nodes(scene: Scene, solver: Solver) -> Rule:
@@ -20,6 +22,19 @@ def directions(scene: Scene, solver: Solver) -> Rule:
     if scene.dim == 2:
         return circle_rule(solver.M_cir)
     return sphere_rule(solver.M_sph, solver.sphere_rule)
+
+
+def reduce_directions(rule: Rule, group: Symmetry) -> tuple[Symmetry, Rule]:
+    """The largest part of a group that the rule has too, and one direction of each orbit.
+
+    The group is {1} where it saves nothing over pairs ±ĝ.
+    """
+    pairs = half(rule)
+    kept = invariance(rule, group)
+    reduced = representatives(rule, kept)
+    if len(reduced) < len(pairs):
+        return kept, reduced
+    return Symmetry.named(group.dim, "none"), pairs
 
 
 def converged_radial(scene: Scene, grid: VelocityGrid) -> Rule:

@@ -182,3 +182,11 @@ def test_the_schema_that_editors_use_is_in_step(tmp_path):
     write_schema(tmp_path / "study.schema.json")
     committed = REPOSITORY / "workflow" / "config" / "study.schema.json"
     assert (tmp_path / "study.schema.json").read_text() == committed.read_text()
+
+
+def test_the_plan_of_a_study_is_written_and_computes_no_run(project):
+    snakemake(project, "plan")
+    results = project / "results/tiny"
+    assert "convergence/e~0.5/N~10/method~literal" in (results / "plan.md").read_text()
+    assert len((results / "plan.csv").read_text().splitlines()) == 3
+    assert not (results / "runs").exists()

@@ -1,0 +1,154 @@
+"""A forecast of a run: the method and why, what an evaluation of Q takes, seconds, memory, error."""
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any
+
+from granstudy.choice import choose
+from granstudy.collision.adaptive import AdaptiveOperator
+from granstudy.collision.carleman import CarlemanOperator
+from granstudy.collision.operator import collision_operator
+from granstudy.collision.plan import QuadraturePlan
+from granstudy.cost import (
+    evaluation_seconds,
+    memory_mb,
+    on_threads,
+    reduced_count,
+    setup_seconds,
+    step_seconds,
+    transform_count,
+)
+from granstudy.evolve import step_count
+from granstudy.kernel import check_restitution
+from granstudy.scene import Scene
+from granstudy.solver import Solver
+from granstudy.tuning import CHECK_EVERY
+
+
+@dataclass(frozen=True, repr=False)
+class Forecast:
+    """What a run will be like, before it starts.
+
+    Attributes
+    ----------
+    method, reason : str
+        The method, and why where it was chosen.
+    dim, N, R
+        Velocity dimension, points (for `radial` speeds) and truncation radius.
+    nodes : int
+        Nodes of the sum an evaluation makes: pairs ±g or orbits of `fast`, all of `literal`; for
+        `carleman` products, for `radial` and `direct` 0.
+    transforms, n : int
+        Fourier transforms of an evaluation, and the points a dimension of most of them.
+    threads : int
+    seconds_per_evaluation : float
+    evaluations : int
+        Evaluations of the whole run; 1 where no time was given.
+    seconds : float
+        Of the whole run, its set-up included; starting Python and loading compiled loops are not.
+    memory_mb : int
+        Of the process.
+    error : float or None
+        Estimate of what ``rtol`` bounds (`Solver.rtol`), None where nothing estimates it.
+    plan : QuadraturePlan or None
+        The quadrature that a tolerance came to.
+    """
+
+    method: str
+    reason: str
+    dim: int
+    N: int
+    R: float
+    nodes: int
+    transforms: int
+    n: int
+    threads: int
+    seconds_per_evaluation: float
+    evaluations: int
+    seconds: float
+    memory_mb: int
+    error: float | None
+    plan: QuadraturePlan | None
+
+    def describe(self) -> dict[str, Any]:
+        """The forecast as plain data."""
+        return dataclasses.asdict(self)
+
+    def __repr__(self) -> str:
+        error = "not estimated" if self.error is None else f"{self.error:.1e}"
+        lines = [
+            f"Forecast: {self.method}, N={self.N}, R={self.R:g} in {self.dim}D",
+            f"  why: {self.reason or 'as asked for'}",
+            f"  an evaluation: {self.nodes} nodes, {self.transforms} transforms of {self.n}^{self.dim}"
+            f" points, {self.seconds_per_evaluation:.2g} s"
+            if self.transforms
+            else f"  an evaluation: no transforms, {self.seconds_per_evaluation:.2g} s",
+            f"  the run: {self.evaluations} evaluations, {self.seconds:.2g} s on {self.threads} threads"
+            f", {self.memory_mb} MB",
+            f"  error of Q over max|Q|: {error}",
+        ]
+        return "\n".join(lines)
+
+
+def plan(
+    scene: Scene, solver: Solver, t_final: float | None = None, dt: float | None = None
+) -> Forecast:
+    """Say what a run will be like: of `simulate` where its times are given, else of one evaluation.
+
+    A tolerance is planned for as the run would, which takes about a second.
+
+    Raises
+    ------
+    ValueError
+        For a bad scene, solver or time, or a tolerance out of reach.
+    """
+    if (t_final is None) != (dt is None):
+        raise ValueError(f"t_final={t_final!r}, dt={dt!r}: give both, or neither")
+    steps = 0 if t_final is None or dt is None else step_count(t_final, dt)
+    choice = choose(scene, solver)
+    solver = choice.solver
+    check_restitution(scene.restitution, largest_speed=solver.R)
+    quadrature, nodes, transforms, n = _count(scene, solver)
+    one_thread = evaluation_seconds(scene, solver, transforms, n)
+    threads = solver.thread_count
+    each = on_threads(one_thread, solver.method, threads)
+    # A tolerance is checked now and then by a finer quadrature, at about a step's time.
+    checks = 3 * steps / CHECK_EVERY if solver.rtol is not None and quadrature else 0.0
+    evaluations = 3 * steps if steps else 1
+    seconds = on_threads(setup_seconds(scene, solver, one_thread), solver.method, threads)
+    seconds += (evaluations + checks) * each + steps * step_seconds(scene, solver)
+    return Forecast(
+        method=solver.method,
+        reason=choice.reason,
+        dim=scene.dim,
+        N=solver.N,
+        R=float(solver.R),
+        nodes=nodes,
+        transforms=transforms,
+        n=n,
+        threads=threads,
+        seconds_per_evaluation=each,
+        evaluations=evaluations,
+        seconds=seconds,
+        memory_mb=memory_mb(scene, solver, transforms),
+        error=quadrature.error if quadrature else None,
+        plan=quadrature,
+    )
+
+
+def _count(scene: Scene, solver: Solver) -> tuple[QuadraturePlan | None, int, int, int]:
+    """The quadrature planned, the nodes, the exact number of transforms and their points a dimension."""
+    if solver.operator == "adaptive" or solver.method == "carleman":
+        # How many they take is known when they are made.
+        operator = collision_operator(scene, solver)
+        if isinstance(operator, AdaptiveOperator):
+            made = operator.plan
+            return made, made.nodes, operator.transforms, made.n
+        assert isinstance(operator, CarlemanOperator)
+        return None, operator.transforms // 2 - 1, operator.transforms, solver.N
+    transforms = transform_count(scene, solver)
+    if solver.method == "fast":
+        assert solver.N_rho is not None
+        return None, solver.N_rho * reduced_count(scene, solver), transforms, solver.N
+    nodes = transforms // 2 - 1 if solver.method == "literal" else 0
+    return None, nodes, transforms, solver.N

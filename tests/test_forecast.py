@@ -1,0 +1,91 @@
+"""What is said of a run before it starts, against the operator that it gets."""
+
+import pytest
+from comparison import asymmetric_scene
+
+import granstudy as gs
+from granstudy.plan_table import write_plan
+from granstudy.study import load_study
+
+SMALL = {"N": 12, "R": 5.0, "N_rho": 6, "M_cir": 8, "M_sph": 12, "threads": 1}
+
+
+@pytest.mark.parametrize(
+    ("scene", "settings"),
+    [
+        *(
+            (asymmetric_scene(dim), SMALL | {"method": method, "variant": variant})
+            for dim in (2, 3)
+            for method in ("literal", "fast", "direct")
+            for variant in ("full", "separate")
+        ),
+        (gs.load_scene("bkw3d", restitution=0.5), SMALL | {"method": "fast"}),
+        (gs.load_scene("bkw2d", restitution=0.5), SMALL | {"method": "auto"}),
+        *(
+            (asymmetric_scene(2, 0, 0.0, e), SMALL | {"method": "carleman", "M_cir": M})
+            for e, M in ((1.0, 8), (1.0, 10), (0.9, 8))
+        ),
+        (asymmetric_scene(3, 0, 1.0, 1.0), SMALL | {"method": "auto"}),
+        (asymmetric_scene(2), {"N": 24, "R": 6.0, "rtol": 1e-2, "threads": 1}),
+        (asymmetric_scene(2), {"rtol": 1e-2, "threads": 1, "method": "auto"}),
+    ],
+)
+def test_its_counts_are_the_operators(scene, settings):
+    solver = gs.Solver(**settings)
+    forecast = gs.plan(scene, solver)
+    operator = gs.collision_operator(scene, solver)
+    assert forecast.transforms == operator.transforms
+    assert forecast.N == operator.grid.N
+    if forecast.plan is None:
+        assert forecast.error is None and "not estimated" in repr(forecast)
+    else:
+        assert forecast.nodes == operator.plan.nodes and forecast.error <= solver.rtol
+    assert forecast.seconds >= forecast.seconds_per_evaluation > 0
+    assert forecast.describe()["method"] == forecast.method
+    assert forecast.method in repr(forecast)
+
+
+def test_a_run_takes_three_evaluations_a_step_and_less_on_two_threads():
+    scene = asymmetric_scene(2)
+    solver = {key: value for key, value in SMALL.items() if key != "threads"}
+    one, two = (
+        gs.plan(scene, gs.Solver(**solver, threads=threads), t_final=1.0, dt=0.1)
+        for threads in (1, 2)
+    )
+    assert one.evaluations == 30
+    assert one.seconds_per_evaluation / 2 <= two.seconds_per_evaluation < one.seconds_per_evaluation
+    assert two.seconds < one.seconds
+
+
+def test_times_come_together():
+    scene, solver = asymmetric_scene(2), gs.Solver(**SMALL)
+    with pytest.raises(ValueError, match="t_final=1.0, dt=None: give both, or neither"):
+        gs.plan(scene, solver, t_final=1.0)
+    with pytest.raises(ValueError, match="must be a whole number of steps"):
+        gs.plan(scene, solver, t_final=1.0, dt=0.3)
+
+
+def test_the_plan_of_a_study(tmp_path):
+    (tmp_path / "tiny.yaml").write_text(
+        """
+title: tiny
+experiments:
+  errors:
+    title: errors
+    run: collision
+    scene: {name: double_well2d, restitution: 0.5}
+    solver: {R: 8.0, N: 12, N_rho: 6}
+    reference: {method: direct}
+    sweep:
+      - {M_cir: [6, 8], method: auto}
+"""
+    )
+    write_plan(load_study(tmp_path / "tiny.yaml"), tmp_path / "plan.md", tmp_path / "plan.csv")
+    text = (tmp_path / "plan.md").read_text()
+    assert text.startswith("# Plan: tiny\n")
+    assert "| errors/M_cir~6/method~auto |" in text and "| **total** |" in text
+    lines = (tmp_path / "plan.csv").read_text().splitlines()
+    assert lines[0].startswith("run,method,N,R,nodes,transforms,evaluations,seconds,memory_mb")
+    assert [line.split(",")[0] for line in lines[1:]] == [
+        "errors/M_cir~6/method~auto", "errors/reference", "errors/M_cir~8/method~auto",
+    ]  # fmt: skip

@@ -1,0 +1,18 @@
+# What the study will take, before it runs: `snakemake plan`. Not part of `all`.
+rule plan:
+    input:
+        STUDY_FILE,
+    output:
+        f"{RESULTS}/plan.md",
+        f"{RESULTS}/plan.csv",
+    log:
+        f"{RESULTS}/logs/plan.log",
+    conda:
+        "../envs/granstudy.yaml"
+    params:
+        study=STUDY_FILE,
+        code=fingerprint(["granstudy.plan_table"]),
+    message:
+        "plan"
+    script:
+        "../scripts/plan.py"
