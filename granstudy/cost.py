@@ -77,6 +77,9 @@ SECONDS_PER_FILTER = 1.0e-7
 SECONDS_PER_SPLIT = 0.013
 """Of splitting a weight into several products for `carleman`, over N."""
 
+SECONDS_PER_SERIES = 8.5e-4
+"""Of the series of one shell and one |k| for `fast` where e depends on the impact speed."""
+
 EFFICIENCY = {"literal": 0.5, "direct": 0.7, "fast": 0.5, "radial": 0.0, "carleman": 0.5}
 """What each thread after the first adds, in parts of the first. Of `direct` and `literal` as in the study
 `quick` (Table 5, N = 16); the others are not measured on a quiet machine, between none and all."""
@@ -189,6 +192,10 @@ def setup_seconds(scene: Scene, solver: Solver, each: float) -> float:
         entries = 0.3 * solver.N**scene.dim * transform_count(scene, solver)
         several = product_count(scene, solver.grid(scene.dim)) > 1
         return entries * SECONDS_PER_FILTER + several * solver.N * SECONDS_PER_SPLIT
+    if solver.method == "fast" and callable(scene.restitution):
+        assert solver.N_rho is not None
+        lengths = SHELLS[scene.dim] * solver.N**2
+        return SETUP_SECONDS + solver.N_rho * lengths * SECONDS_PER_SERIES
     return SETUP_SECONDS
 
 
