@@ -1,6 +1,7 @@
 """The front of speed against error as a figure: a panel a scene."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -36,7 +37,7 @@ def draw_front(tables: Sequence[xr.Dataset]) -> Figure:
             )
     columns = min(COLUMNS, len(tables))
     rows = -(-len(tables) // columns)
-    size = (WIDTH * (1.0 if columns > 1 else 0.75), PANEL_HEIGHT * rows + 0.9)
+    size = (WIDTH * (1.0 if columns > 1 else 0.75), PANEL_HEIGHT * rows + 1.1)
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False)
     shown: set[str] = set()
@@ -44,14 +45,15 @@ def draw_front(tables: Sequence[xr.Dataset]) -> Figure:
         part = table.isel(run=_timed_on_all_threads(table))
         shown |= set(families(part))
         _panel(ax, part)
-        ax.set_title(table.attrs["title"])
+        if len(tables) > 1:
+            ax.set_title(table.attrs["title"])
     for ax in axes.flat[len(tables) :]:
         ax.set_axis_off()
     for ax in axes[-1]:
         ax.set_xlabel(SYMBOLS["error"])
     for ax in axes[:, 0]:
         ax.set_ylabel(SYMBOLS["seconds"])
-    figure.legend(handles=_handles(shown), loc="outside lower center", ncols=4)
+    figure.legend(handles=_handles(shown), loc="outside lower center", ncols=3 if columns > 1 else 2)
     return figure
 
 
@@ -96,16 +98,16 @@ def _mark_baseline(ax: Axes, table: xr.Dataset) -> None:
     ax.annotate(text, (error[base], middle), (4, 0), textcoords="offset points", color="0.25")
 
 
-def _look(name: str) -> dict[str, object]:
+def _look(name: str) -> dict[str, Any]:
     marker = MARKERS[METHODS_FIRST[name] % len(MARKERS)]
     return {"color": METHOD_COLOURS[name], "marker": marker, "markersize": 5.0, "zorder": 3}
 
 
-def _front_look() -> dict[str, object]:
+def _front_look() -> dict[str, Any]:
     return {"color": "0.75", "linewidth": 4.0, "solid_capstyle": "round", "zorder": 1}
 
 
-def _ring() -> dict[str, object]:
+def _ring() -> dict[str, Any]:
     return {
         "color": "black",
         "linestyle": "none",

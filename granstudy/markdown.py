@@ -141,10 +141,8 @@ def _across(table: xr.Dataset, swept: list[str], across: str) -> tuple[list[str]
 def _number(table: xr.Dataset, name: str, i: int) -> str:
     """Write a number to the digits that are worth reading."""
     value = table[name].values[i]
-    if table[name].dtype.kind == "b":
-        return "yes" if value else ""
-    if table[name].dtype.kind in "iu":
-        return str(value)
+    if table[name].dtype.kind in "biu":
+        return str(value) if value.dtype.kind != "b" else "yes" * bool(value)
     if name == table.attrs["quantity"] and np.isnan(value):
         return Status(int(table["status"].values[i])).name.lower()
     if np.isnan(value):
@@ -164,9 +162,8 @@ def _legend(table: xr.Dataset) -> list[str]:
     lines = [f"{quantity}: {meaning}."]
     if "paper" in table:
         lines[0] += " An empty cell under paper: the paper prints no number there."
-    if (table["status"] != Status.OK).any():
-        if (table["status"] == Status.DIVERGED).any():
-            lines[0] += " diverged: the run could not reach the final time."
+    if (table["status"] == Status.DIVERGED).any():
+        lines[0] += " diverged: the run could not reach the final time."
     if "front" in table:
         lines += ["", *_read_front(table)]
     for reason in dict.fromkeys(table["reason"].values) if "reason" in table else ():
