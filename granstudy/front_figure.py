@@ -53,7 +53,9 @@ def draw_front(tables: Sequence[xr.Dataset]) -> Figure:
         ax.set_xlabel(SYMBOLS["error"])
     for ax in axes[:, 0]:
         ax.set_ylabel(SYMBOLS["seconds"])
-    figure.legend(handles=_handles(shown), loc="outside lower center", ncols=3 if columns > 1 else 2)
+    figure.legend(
+        handles=_handles(shown), loc="outside lower center", ncols=3 if columns > 1 else 2
+    )
     return figure
 
 
@@ -94,7 +96,7 @@ def _mark_baseline(ax: Axes, table: xr.Dataset) -> None:
         arrowprops={"arrowstyle": "->", "color": "0.25", "linewidth": 1.0, "shrinkA": 6.0},
     )
     middle = np.sqrt(seconds[base] * seconds[best])
-    text = f"{seconds[base] / seconds[best]:.3g}×"
+    text = f"{float(f'{seconds[base] / seconds[best]:.3g}'):,g}×"
     ax.annotate(text, (error[base], middle), (4, 0), textcoords="offset points", color="0.25")
 
 

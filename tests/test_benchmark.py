@@ -85,7 +85,7 @@ def test_errors_are_measured_against_the_named_reference(front):
     expected = np.max(np.abs(Q - reference)) / np.max(np.abs(reference))
     assert float(ds["error"][0]) == pytest.approx(expected, rel=1e-9)
     # the radial runs, against one with more nodes: spectral in N
-    assert ds["error"][5] < 1e-6 < ds["error"][4]
+    assert ds["error"][5] < 1e-5 < 1e-3 < ds["error"][4]
 
 
 def test_ratios_are_over_the_named_baseline(front):
