@@ -44,7 +44,7 @@ def benchmark_parameters(experiment):
 
 def benchmark_code(experiment):
     """Fingerprints of the code that is timed, and of the code that times it."""
-    operators = sorted({run.solver.operator for run in benchmarked(experiment)})
+    operators = sorted({run.choice.solver.operator for run in benchmarked(experiment)})
     return [run_fingerprint("collision", operator) for operator in operators] + [
         fingerprint(["granstudy.benchmark"])
     ]
