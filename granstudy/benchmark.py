@@ -1,162 +1,252 @@
-"""Seconds and memory of one evaluation of Q, all methods in one process and taken in turn."""
+"""Error, seconds and memory of one evaluation of Q, all methods in one process and taken in turn."""
 
-import pickle
-import statistics
-import subprocess
-import sys
-import time
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from granstudy.collision import collision_operator
-from granstudy.run import Run
+from granstudy.collision.operator import (
+    CollisionOperator,
+    ToleranceError,
+    collision_operator,
+)
+from granstudy.dataset import CONVENTIONS, Status, run_coordinates
+from granstudy.front import on_front
+from granstudy.radial_grid import RadialGrid
 from granstudy.scene import Scene
 from granstudy.solver import Solver
+from granstudy.timing import median_seconds, peak_memory_mb
 
-LEAST_ROUNDS = 3
-LEAST_SECONDS = 2.0
-PROCESS_STATUS = Path("/proc/self/status")
+if TYPE_CHECKING:  # a benchmark's numbers do not depend on how study files are read
+    from granstudy.run import Run
+
 WITHOUT_TRANSFORMS = ("direct", "radial")
 
+UNUSED = {
+    "direct": ("M_sph", "M_cir", "sphere_rule"),
+    "radial": ("N_rho", "M_sph", "M_cir", "sphere_rule", "radial_rule", "variant"),
+    "carleman": ("N_rho", "radial_rule"),
+}
+"""Parameters that play no part in a method."""
 
-def benchmark(runs: list[Run], threads: int) -> xr.Dataset:
+VARIABLES = {
+    "error": ("max|Q − Q_reference| / max|Q_reference| on the velocity nodes", "1"),
+    "seconds": ("median time of one evaluation of Q", "s"),
+    "speedup": ("time of the baseline over this run's, same number of threads", "1"),
+    "transforms": ("Fourier transforms on the grid in one evaluation", "1"),
+    "fft_seconds": ("bare FFTW time of the transforms made", "s"),
+    "overhead": ("time over bare FFTW time", "1"),
+    "peak_memory_mb": ("peak memory beyond the interpreter and its libraries", "MB"),
+    "front": ("no other run on as many threads has both a smaller error and a smaller time", "1"),
+    "baseline": ("the run that speedups are taken over", "1"),
+    "status": ("how the run ended", "1"),
+    "reason": ("why it did not end well", "1"),
+}
+"""Long name and units of every variable, in a table's order."""
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """One run on so many threads; the numbers are NaN where its operator could not be planned."""
+
+    run: "Run"
+    threads: int
+    seconds: float = np.nan
+    fft_seconds: float = np.nan
+    transforms: int = 0
+    error: float = np.nan
+    peak_memory_mb: float = np.nan
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Q(f0,f0) that errors are measured against, on its own velocity nodes."""
+
+    operator: CollisionOperator
+    Q: np.ndarray
+
+    def error(self, operator: CollisionOperator, Q: np.ndarray) -> float:
+        """max|Q − Q_reference| / max|Q_reference| on the operator's nodes.
+
+        A reference on a radial grid is evaluated there by its Fourier–Bessel series.
+        """
+        grid = operator.grid
+        Q_reference = self.Q
+        if isinstance(grid, RadialGrid):
+            assert isinstance(self.operator.grid, RadialGrid)
+            Q_reference = self.operator.grid.evaluate(self.Q, grid.nodes)
+        return float(np.max(np.abs(Q - Q_reference)) / np.max(np.abs(self.Q)))
+
+
+def benchmark(runs: list["Run"], threads: int) -> xr.Dataset:
     """Time one evaluation of Q on the initial density for every run of a study's experiment.
 
-    Each is timed on one thread and on ``threads``. The methods of one grid are timed in turn, round
-    after round, so that a drift of the machine's speed hits all alike; medians are reported, and every
-    ratio is taken within one such series.
+    Each is timed on one thread and on ``threads``. The runs of one grid (with a reference, all runs: their
+    errors are compared, whatever the grid) are timed in turn, round after round, so that a drift of the
+    machine's speed hits all alike; medians are reported, and every ratio is taken within one such series.
 
     Returns
     -------
     xarray.Dataset
-        Over ``run`` with coordinates N, method, threads: `seconds` (median), `speedup` (seconds of
-        `literal` at the same N and threads over seconds), `transforms`, `fft_seconds` (the bare
-        FFTW time of those transforms), `overhead` (seconds / fft_seconds; NaN for `direct` and
-        `radial`, which make none), `peak_memory_mb` (of one evaluation in a process of its own,
-        beyond what the interpreter with the package and all its libraries takes).
+        Over ``run``; along it N, method, threads and the swept parameters, −1 or "" where one plays no
+        part; all others scalar coordinates. `error` is max|Q − Q_reference|/max|Q_reference| against the
+        reference of the experiment (of `radial` against `radial` with more nodes, at the run's nodes).
+        `seconds` (median), `speedup` (seconds of the baseline on as many threads over seconds),
+        `transforms`, `fft_seconds` (the bare FFTW time of those transforms), `overhead` (seconds /
+        fft_seconds; NaN for `direct` and `radial`, which make none), `peak_memory_mb` (of one evaluation
+        in a process of its own, beyond what the interpreter with the package and all its libraries takes),
+        `front`, `baseline`, `status` and `reason`: a tolerance that the grid cannot reach is a run that
+        failed.
     """
-    rows = []
-    for N in sorted({run.solver.N for run in runs}):
-        for count in sorted({1, threads}):
-            group = [
-                (run.scene, replace(run.solver, threads=count)) for run in runs if run.solver.N == N
-            ]
-            rows += _time_group(group)
-    dims = ["run"]
-    seconds = np.array([row["seconds"] for row in rows])
-    keys = [(row["N"], row["threads"]) for row in rows]
-    literal = {
-        key: row["seconds"]
-        for key, row in zip(keys, rows, strict=True)
-        if row["method"] == "literal"
+    timing, with_errors = runs[0].timing, runs[0].model.reference is not None
+    rows: list[Measurement] = []
+    for group in [runs] if with_errors else _by_grid(runs):
+        references = _references(group, threads) if with_errors else {}
+        for count in sorted({1, threads}) if timing.single_thread else [threads]:
+            rows += _measure(group, count, references)
+    values: dict[str, Any] = {
+        name: np.array([getattr(row, name) for row in rows])
+        for name in ("seconds", "fft_seconds", "transforms", "reason")
     }
-    fft_seconds = np.array([row["fft_seconds"] for row in rows])
-    overhead = np.divide(
-        seconds, fft_seconds, out=np.full(len(rows), np.nan), where=fft_seconds > 0
+    values["status"] = np.array([_status(row) for row in rows], dtype=np.int8)
+    values["overhead"] = np.divide(
+        values["seconds"],
+        values["fft_seconds"],
+        out=np.full(len(rows), np.nan),
+        where=values["fft_seconds"] > 0,
     )
-    units = {"seconds": "s", "fft_seconds": "s", "peak_memory_mb": "MB"}
-    long_names = {
-        "seconds": "median time of one evaluation of Q",
-        "fft_seconds": "bare FFTW time of the transforms made",
-        "transforms": "Fourier transforms on the grid in one evaluation",
-        "peak_memory_mb": "peak memory beyond the interpreter and its libraries",
-        "speedup": "time of literal over this method's, same N and threads",
-        "overhead": "time over bare FFTW time",
-    }
-    values = {
-        "seconds": seconds,
-        "speedup": np.array([literal.get(key, np.nan) for key in keys]) / seconds,
-        "transforms": np.array([row["transforms"] for row in rows]),
-        "fft_seconds": fft_seconds,
-        "overhead": overhead,
-        "peak_memory_mb": np.array([row["peak_memory_mb"] for row in rows]),
-        "status": np.zeros(len(rows), dtype=np.int8),
-    }
+    baselines = [_baseline(row, rows) for row in rows]
+    values["speedup"] = (
+        np.array([b.seconds if b else np.nan for b in baselines]) / values["seconds"]
+    )
+    if timing.memory:
+        values["peak_memory_mb"] = np.array([row.peak_memory_mb for row in rows])
+    if with_errors:
+        values["error"] = np.array([row.error for row in rows])
+        values["baseline"] = np.array(
+            [row is other for row, other in zip(rows, baselines, strict=True)]
+        )
+        values["front"] = _front(rows)
+    return _dataset(rows, values)
+
+
+def _by_grid(runs: list["Run"]) -> list[list["Run"]]:
+    sizes = sorted({run.solver.N for run in runs})
+    return [[run for run in runs if run.solver.N == N] for N in sizes]
+
+
+def _references(runs: list["Run"], threads: int) -> dict[str, Reference]:
+    """The references of some runs by path; runs that share one get it once."""
+    found = {}
+    for reference in {run.reference.path: run.reference for run in runs}.values():
+        operator = collision_operator(reference.scene, replace(reference.solver, threads=threads))
+        Q = operator(reference.scene.density(operator.grid))
+        found[reference.path] = Reference(operator, Q)
+    return found
+
+
+def _measure(
+    runs: list["Run"], threads: int, references: dict[str, Reference]
+) -> list[Measurement]:
+    """Measure some runs, timed in turn."""
+    rows = []
+    calls: list[Callable[[], object]] = []
+    for run in runs:
+        solver = replace(run.solver, threads=threads)
+        try:
+            operator = collision_operator(run.scene, solver)
+        except ToleranceError as error:
+            rows.append(Measurement(run, threads, reason=str(error)))
+            continue
+        f = run.scene.density(operator.grid)
+        Q = operator(f)  # compiles, and fills caches
+        calls += [partial(operator, f), operator.transform]
+        row = Measurement(run, threads, transforms=operator.transforms)
+        if references:
+            row = replace(row, error=references[run.reference.path].error(operator, Q))
+        if run.timing.memory:
+            row = replace(row, peak_memory_mb=peak_memory_mb(run.scene, solver))
+        rows.append(row)
+    medians = iter(median_seconds(calls, runs[0].timing.rounds))
+    return [_with_seconds(row, medians) for row in rows]
+
+
+def _with_seconds(row: Measurement, medians: Iterator[float]) -> Measurement:
+    """The row with the next two medians: of its evaluation, and of its transforms alone."""
+    if row.reason:
+        return row
+    seconds, bare = next(medians), next(medians)
+    if row.run.solver.method in WITHOUT_TRANSFORMS:
+        bare = 0.0
+    return replace(row, seconds=seconds, fft_seconds=bare)
+
+
+def _baseline(row: Measurement, rows: list[Measurement]) -> Measurement | None:
+    """The row that a row's speedup is taken over."""
+    wanted = row.run.timing.baseline or {"method": "literal", "N": row.run.solver.N}
+    for other in rows:
+        if other.threads == row.threads and other.run.has(wanted):
+            return other
+    return None
+
+
+def _front(rows: list[Measurement]) -> np.ndarray:
+    """Rows on the front of those on as many threads."""
+    front = np.zeros(len(rows), dtype=bool)
+    threads = np.array([row.threads for row in rows])
+    seconds, error = (
+        np.array([getattr(row, name) for row in rows]) for name in ("seconds", "error")
+    )
+    for count in np.unique(threads):
+        same = threads == count
+        front[same] = on_front(seconds[same], error[same])
+    return front
+
+
+def _status(row: Measurement) -> Status:
+    return Status.FAILED if row.reason else Status.OK
+
+
+def _dataset(rows: list[Measurement], values: dict[str, Any]) -> xr.Dataset:
+    """The variables with their names and units, and every parameter as a coordinate."""
+    coordinates = [
+        _parameters(row.run.scene, row.run.solver, [key for key, _ in row.run.values])
+        | {"threads": row.threads}
+        for row in rows
+    ]
+    along = {"N", "method", "threads"} | {key for row in rows for key, _ in row.run.values}
+    coords: dict[str, Any] = {}
+    for name in dict.fromkeys(name for row in coordinates for name in row):
+        known = [row[name] for row in coordinates if name in row]
+        if name in along or len(set(known)) > 1:
+            absent: Any = "" if isinstance(known[0], str) else type(known[0])(-1)
+            coords[name] = ("run", [row.get(name, absent) for row in coordinates])
+        else:
+            coords[name] = known[0]
     ds = xr.Dataset(
         {
-            name: (
-                dims,
-                value,
-                {"long_name": long_names.get(name, name), "units": units.get(name, "1")},
-            )
-            for name, value in values.items()
+            name: ("run", values[name], {"long_name": long_name, "units": units})
+            for name, (long_name, units) in VARIABLES.items()
+            if name in values
         },
-        coords={name: (dims, [row[name] for row in rows]) for name in ("N", "method", "threads")},
+        coords=coords,
     )
-    ds.attrs = {"title": "granstudy benchmark", "Conventions": "CF-1.11"}
+    ds.attrs = {
+        "title": "granstudy benchmark",
+        "Conventions": CONVENTIONS,
+        "dim": rows[0].run.scene.dim,
+    }
     return ds
 
 
-def _time_group(group: list[tuple[Scene, Solver]]) -> list[dict[str, object]]:
-    """Time the methods of one grid in turn."""
-    operators = [collision_operator(scene, solver) for scene, solver in group]
-    densities = [scene.density(op.grid) for (scene, _), op in zip(group, operators, strict=True)]
-    calls: list[Callable[[], object]] = []
-    for operator, f in zip(operators, densities, strict=True):
-        calls.append(partial(operator, f))
-        calls.append(operator.transform)
-    times: list[list[float]] = [[] for _ in calls]
-    for call in calls:
-        call()  # compiles, and fills caches
-    start = time.perf_counter()
-    while len(times[0]) < LEAST_ROUNDS or time.perf_counter() - start < LEAST_SECONDS:
-        for call, taken in zip(calls, times, strict=True):
-            begin = time.perf_counter()
-            call()
-            taken.append(time.perf_counter() - begin)
-    medians = [statistics.median(taken) for taken in times]
-    return [
-        {
-            "N": solver.N,
-            "method": solver.method,
-            "threads": solver.threads,
-            "seconds": medians[2 * i],
-            "fft_seconds": 0.0 if solver.method in WITHOUT_TRANSFORMS else medians[2 * i + 1],
-            "transforms": operators[i].transforms,
-            "peak_memory_mb": peak_memory_mb(scene, solver),
-        }
-        for i, (scene, solver) in enumerate(group)
-    ]
-
-
-def peak_memory_mb(scene: Scene, solver: Solver) -> float:
-    """Peak memory of planning and one evaluation in a process of its own, in MB.
-
-    Beyond what that process held after one evaluation at N = 4: the interpreter, the libraries and the
-    compiled loops.
-    """
-    # A plain command: multiprocessing would import the calling script again.
-    command = [sys.executable, "-c", "from granstudy.benchmark import report_peak; report_peak()"]
-    answer = subprocess.run(
-        command, input=pickle.dumps((scene, solver)), stdout=subprocess.PIPE, check=True
-    )
-    return float(answer.stdout)
-
-
-def report_peak() -> None:
-    """Print `peak_memory_mb` of the scene and solver pickled on standard input."""
-    scene, solver = pickle.load(sys.stdin.buffer)
-
-    def evaluate(solver: Solver) -> float:
-        operator = collision_operator(scene, solver)
-        operator(scene.density(operator.grid))
-        return _peak_kb()
-
-    before = evaluate(replace(solver, N=4))
-    print((evaluate(solver) - before) / 1024)
-
-
-def _peak_kb() -> float:
-    """Peak memory of this process's own, where the system tells (Linux), else NaN.
-
-    Not `resource.getrusage`: that of a child starts at its parent's.
-    """
-    if not PROCESS_STATUS.is_file():
-        return float("nan")
-    (line,) = (row for row in PROCESS_STATUS.read_text().splitlines() if row.startswith("VmHWM"))
-    return float(line.split()[1])
+def _parameters(scene: Scene, solver: Solver, swept: list[str]) -> dict[str, Any]:
+    """A run's parameters without those that play no part in its method."""
+    parameters = run_coordinates(scene, solver)
+    if "symmetry" in swept:
+        parameters["symmetry"] = scene.symmetry.name
+    unused = UNUSED.get(solver.method, ())
+    return {name: value for name, value in parameters.items() if name not in unused}

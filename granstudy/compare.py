@@ -43,6 +43,9 @@ TOLERANCES = {
     "temperature_error": Tolerance(1e-6, 1e-12, "as paper_temperature_error"),
     "collision_error": Tolerance(1e-6, 1e-12, "max|Q| is about 0.1, known to round-off"),
     "relative_error": Tolerance(1e-6, 1e-11, "collision_error over max|Q|"),
+    "error": Tolerance(
+        1e-6, 1e-11, "collision_error over max|Q|; a tolerance's plan is deterministic"
+    ),
     "temperature": Tolerance(1e-9, 1e-12, "a moment of order one after some hundred steps"),
     "density_drift": Tolerance(1e-6, 1e-11, "round-off of a sum over the grid"),
     "order": Tolerance(1e-3, 1e-3, "a slope through errors near the round-off of T"),
@@ -54,6 +57,9 @@ TOLERANCES = {
     "speedup": Tolerance(None, 0.0, "a quotient of seconds on a shared machine"),
     "overhead": Tolerance(None, 0.0, "as speedup"),
     "peak_memory_mb": Tolerance(None, 0.0, "depends on the allocator"),
+    "front": Tolerance(None, 0.0, "follows from seconds"),
+    "time_exponent": Tolerance(None, 0.0, "a slope through seconds"),
+    "memory_exponent": Tolerance(None, 0.0, "a slope through peak memories"),
 }
 DEFAULT = Tolerance(1e-9, 0.0, "a constant of the study")
 

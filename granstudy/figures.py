@@ -1,7 +1,7 @@
 """Figures of an experiment, drawn from its table and its runs."""
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,84 +14,33 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from granstudy.aggregate import open_runs
+from granstudy.front_figure import draw_front
+from granstudy.look import (
+    COLOURS,
+    LABELS,
+    MARKERS,
+    METHOD_COLOURS,
+    METHODS_FIRST,
+    PANEL_HEIGHT,
+    PAPER,
+    PAPER_LOOK,
+    STYLE,
+    SYMBOLS,
+    WIDTH,
+)
 from granstudy.theory import haff_temperature
 from granstudy.whole_file import write_whole
 
 if TYPE_CHECKING:  # a figure does not depend on the solvers that the study module imports
     from granstudy.study_file import Experiment
 
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-"""Okabe & Ito, "Color Universal Design" (2008): told apart by colour-blind readers."""
 
-METHOD_COLOURS = {
-    "literal": "#8CC9F0",
-    "fast": "#D55E00",
-    "carleman": "#009E73",
-    "direct": "#0072B2",
-}
-"""A method has the same colour in every figure."""
-
-METHODS_FIRST = {"direct": 0, "literal": 1, "fast": 2, "carleman": 3}
-"""From the slowest to the fastest, as a legend lists them."""
-
-MARKERS = ("o", "s", "^", "D")
-PAPER = "Hu & Ma (2019)"
-PAPER_LOOK: dict[str, Any] = {
-    "color": "black",
-    "linestyle": "none",
-    "marker": "o",
-    "markerfacecolor": "none",
-    "markersize": 11.0,
-    "markeredgewidth": 0.9,
-    "zorder": 4,
-}
-
-SYMBOLS = {
-    "e": "$e$",
-    "exponent": r"$\lambda$",
-    "epsilon": r"$\varepsilon$",
-    "N": "$N$",
-    "R": "$R$",
-    "N_rho": r"$N_\rho$",
-    "M_sph": r"$M_\mathrm{sph}$",
-    "M_cir": r"$M_\mathrm{cir}$",
-    "dt": r"$\Delta t$",
-    "paper_temperature_error": r"$|T - T_\mathrm{ref}|$",
-    "temperature_error": r"$|T - T_\mathrm{exact}|$",
-    "collision_error": r"$\|Q - Q_\mathrm{direct}\|_\infty$",
-    "relative_error": r"$\|Q - Q_\mathrm{direct}\|_\infty / \|Q_\mathrm{direct}\|_\infty$",
-    "seconds": "time per evaluation of $Q$ (s)",
-}
-"""Axis labels: the paper's symbols."""
-
-LABELS = {
-    "design": "spherical designs",
-    "lebedev": "Lebedev",
-    "product": "Gauss in cos θ × uniform φ",
-    "gauss-theta-phi": "Gauss in θ × Gauss in φ",
-}
-"""How the legend calls what a path names shortly."""
-
-STYLE: Any = {
-    "font.size": 9.0,
-    "axes.titlesize": 9.0,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "grid.color": "0.9",
-    "grid.linewidth": 0.6,
-    "legend.frameon": False,
-    "legend.fontsize": 8.5,
-    "lines.linewidth": 1.4,
-    "lines.markersize": 5.0,
-    "svg.hashsalt": "granstudy",
-}
-WIDTH = 8.0
-PANEL_HEIGHT = 3.0
-
-
-def draw(experiment: "Experiment", table: xr.Dataset, run_files: list[str]) -> Figure:
+def draw(
+    experiment: "Experiment",
+    table: xr.Dataset,
+    run_files: list[str],
+    beside: Sequence[xr.Dataset] = (),
+) -> Figure:
     """Draw an experiment's figure, of the kind its study file asks for.
 
     Parameters
@@ -101,6 +50,8 @@ def draw(experiment: "Experiment", table: xr.Dataset, run_files: list[str]) -> F
         From `granstudy.tables.experiment_table`.
     run_files : list of str
         The runs' files; a ``cooling`` figure needs them.
+    beside : sequence of xarray.Dataset
+        Tables of other experiments, which a ``front`` shows in panels of their own.
     """
     asked = experiment.figure
     if asked is None:
@@ -110,9 +61,11 @@ def draw(experiment: "Experiment", table: xr.Dataset, run_files: list[str]) -> F
             figure = _cooling(table, run_files)
         elif asked.kind == "speed":
             figure = _speed(table)
+        elif asked.kind == "front":
+            figure = draw_front([table, *beside])
         else:
             figure = _convergence(table, asked.x)
-        figure.suptitle(experiment.title, fontsize=10)
+        figure.suptitle(asked.title or experiment.title, fontsize=10)
     return figure
 
 
@@ -329,7 +282,8 @@ def _speed(table: xr.Dataset) -> Figure:
 
 
 def _complexity_guide(ax: Axes, table: xr.Dataset) -> None:
-    """Draw N⁴ log N, the cost of the fast method in 3D, below the fastest line."""
+    """Draw N⁴ log N, the cost of the fast method in 3D, below the fastest line but `radial`'s."""
+    table = table.isel(run=np.flatnonzero(table["method"].values != "radial"))
     N = np.unique(table["N"]).astype(float)
     cost = N**4 * np.log(N)
     seconds = np.array([table["seconds"].values[table["N"].values == n].min() for n in N])

@@ -35,6 +35,13 @@ def fit_order(x: np.ndarray, error: np.ndarray) -> tuple[float, float]:
     return float(order), float(np.exp(intercept))
 
 
+def growth_exponent(x: np.ndarray, cost: np.ndarray, least: float = 0.0) -> float:
+    """Fit the exponent of cost ~ xᵖ to the costs above ``least``; NaN where fewer than two are."""
+    x, cost = np.asarray(x, dtype=float), np.asarray(cost, dtype=float)
+    kept = np.isfinite(cost) & (cost > least)
+    return fit_order(x[kept], cost[kept])[0] if np.unique(x[kept]).size > 1 else float("nan")
+
+
 def fit_haff(
     time: np.ndarray, temperature: np.ndarray, T0: float | None = None
 ) -> tuple[float, float]:

@@ -85,6 +85,32 @@ class DoubleWell3D:
         )
 
 
+THREE_GAUSSIANS = (
+    (0.5, (0.6, -0.3, 0.2), (0.9, 0.7, 0.6)),
+    (0.3, (-0.7, 0.5, -0.6), (0.6, 0.8, 1.0)),
+    (0.2, (-0.45, 0.0, 0.4), (0.7, 1.0, 0.65)),
+)
+"""Mass, centre and variances along the axes of each Gaussian of `ThreeGaussians3D`."""
+
+
+@dataclass(frozen=True)
+class ThreeGaussians3D:
+    """A density without symmetry: three anisotropic Gaussians, ρ = 1, u = 0, T0 = 0.979."""
+
+    dim: ClassVar[int] = 3
+    symmetry: ClassVar[str] = "none"
+
+    def __call__(self, *v: np.ndarray) -> np.ndarray:
+        """f0 = Σ_j m_j Π_i (2πs_ji)^{−1/2} exp(−(v_i − c_ji)²/(2s_ji)), by `THREE_GAUSSIANS`."""
+        f = np.zeros(np.broadcast_shapes(*(vi.shape for vi in v)))
+        for mass, centre, variances in THREE_GAUSSIANS:
+            scaled = [vi / np.sqrt(s) for vi, s in zip(v, variances, strict=True)]
+            place = [c / np.sqrt(s) for c, s in zip(centre, variances, strict=True)]
+            norm = np.sqrt(np.prod(2 * np.pi * np.array(variances)))
+            f += mass / norm * np.exp(-_squared(scaled, place) / 2)
+        return f
+
+
 @dataclass(frozen=True)
 class Maxwellian:
     """Maxwellian of unit density with bulk ``velocity`` and ``temperature``."""

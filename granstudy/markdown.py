@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from granstudy.dataset import Status
+from granstudy.front import families, fastest_within
 
 HEADINGS = {
     "N_rho": "N_ρ",
@@ -24,7 +25,11 @@ HEADINGS = {
     "density_drift": "density drift",
     "fft_seconds": "FFT seconds",
     "overhead": "seconds / FFT seconds",
-    "speedup": "literal / this",
+    "speedup": "baseline / this",
+    "rtol": "rtol",
+    "time_exponent": "time: exponent in N",
+    "memory_exponent": "memory: exponent in N",
+    "law_exponent": "N^(d+1) log N: exponent",
     "peak_memory_mb": "peak memory (MB)",
 }
 """What heads a column; the name itself where none is given."""
@@ -74,12 +79,13 @@ def _keys(table: xr.Dataset, names: list[str]) -> list[tuple[str, ...]]:
 
 def _parameter(value: object) -> str:
     text = str(value)
-    return "" if text == "-1" else text
+    return "" if text in ("-1", "-1.0") else text
 
 
 def _long(table: xr.Dataset, swept: list[str]) -> tuple[list[str], list[list[str]]]:
     """One line a run, all columns."""
-    names = [str(name) for name in table.data_vars if name not in ("status", "has_paper")]
+    hidden = ("status", "has_paper", "reason")
+    names = [str(name) for name in table.data_vars if name not in hidden]
     header = [HEADINGS.get(name, name) for name in swept]
     header += [HEADINGS.get(name, name.replace("_", " ")) for name in names]
     lines = [
@@ -135,8 +141,8 @@ def _across(table: xr.Dataset, swept: list[str], across: str) -> tuple[list[str]
 def _number(table: xr.Dataset, name: str, i: int) -> str:
     """Write a number to the digits that are worth reading."""
     value = table[name].values[i]
-    if table[name].dtype.kind in "iu":
-        return str(value)
+    if table[name].dtype.kind in "biu":
+        return str(value) if value.dtype.kind != "b" else "yes" * bool(value)
     if name == table.attrs["quantity"] and np.isnan(value):
         return Status(int(table["status"].values[i])).name.lower()
     if np.isnan(value):
@@ -156,8 +162,12 @@ def _legend(table: xr.Dataset) -> list[str]:
     lines = [f"{quantity}: {meaning}."]
     if "paper" in table:
         lines[0] += " An empty cell under paper: the paper prints no number there."
-    if (table["status"] != Status.OK).any():
+    if (table["status"] == Status.DIVERGED).any():
         lines[0] += " diverged: the run could not reach the final time."
+    if "front" in table:
+        lines += ["", *_read_front(table)]
+    for reason in dict.fromkeys(table["reason"].values) if "reason" in table else ():
+        lines += ["", f"failed: {reason}."] if reason else []
     fixed = [
         f"{HEADINGS.get(str(name), name)} = {c.item()}"
         for name, c in table.coords.items()
@@ -166,3 +176,23 @@ def _legend(table: xr.Dataset) -> list[str]:
     if fixed:
         lines += ["", "Held fixed: " + ", ".join(fixed) + "."]
     return lines
+
+
+def _read_front(table: xr.Dataset) -> list[str]:
+    """Say, for every method, which run is the fastest with no larger error than the baseline's."""
+    lines = []
+    base = int(np.argmax(table["baseline"].values))
+    same = np.flatnonzero(table["threads"].values == table["threads"].values[base])
+    largest = float(table["error"][base])
+    family = families(table)
+    for name in dict.fromkeys(family[i] for i in same):
+        members = [i for i in same if family[i] == name]
+        part = table.isel(run=members)
+        found = fastest_within(part["seconds"].values, part["error"].values, largest)
+        if found is not None:
+            row = part.isel(run=found)
+            lines.append(
+                f"- {name}: {float(row['speedup']):.3g} times the baseline's speed "
+                f"at an error of {float(row['error']):.1e}"
+            )
+    return [f"The fastest runs with an error of at most the baseline's {largest:.1e}:", "", *lines]

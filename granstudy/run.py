@@ -16,7 +16,7 @@ from granstudy.isotropy import check_isotropic
 from granstudy.kernel import VHS, Viscoelastic, check_restitution, sphere_area
 from granstudy.scene import Scene, load_scene
 from granstudy.solver import TAKES_RTOL, Choice, Solver
-from granstudy.study_file import Experiment, SolverModel, ViscoelasticModel
+from granstudy.study_file import Experiment, SolverModel, TimingModel, ViscoelasticModel
 
 SHARED_WITH_REFERENCE = ("e", "exponent", "epsilon", "N", "R", "N_rho")
 """What a collision run's reference takes over from the run: all but the rule on the sphere."""
@@ -43,9 +43,31 @@ class Run:
 
     @cached_property
     def reference(self) -> "Run":
-        """The run that this collision run's error is measured against."""
-        shared = tuple(pair for pair in self.values if pair[0] in SHARED_WITH_REFERENCE)
-        return Run(self.experiment, self.model, shared, is_reference=True)
+        """The run that this run's error is measured against.
+
+        A benchmark's `radial` runs, whose nodes no Cartesian run has, get one with more nodes.
+        """
+        if self.model.run == "benchmark" and self.solver.method == "radial":
+            finer = dict(self.values) | {"N": self.timing.radial_nodes, "method": "radial"}
+            return replace(self, values=tuple(finer.items()), is_reference=True)
+        assert self.model.reference is not None
+        fixed = self.model.reference.model_fields_set
+        shared = tuple(
+            (key, value)
+            for key, value in self.values
+            if key in SHARED_WITH_REFERENCE and key not in fixed
+        )
+        return replace(self, values=shared, is_reference=True)
+
+    @property
+    def timing(self) -> TimingModel:
+        """How a benchmark times the run."""
+        return self.model.timing or TimingModel()
+
+    def has(self, values: dict[str, Any]) -> bool:
+        """Whether the run has these values of parameters, swept or not."""
+        own = self.solver.describe() | dict(self.values)
+        return all(own.get(key) == value for key, value in values.items())
 
     def _value(self, key: str, default: Any) -> Any:
         return dict(self.values).get(key, default)
@@ -76,6 +98,7 @@ class Run:
             kernel=VHS(0.0 if exponent is None else exponent, strength),
             restitution=restitution,
             diffusion=base.diffusion if epsilon is None else epsilon,
+            symmetry=self._value("symmetry", model.symmetry),
         )
 
     @cached_property
@@ -84,10 +107,10 @@ class Run:
         settings = self.model.solver.model_dump(exclude_none=True)
         fields = set(SolverModel.model_fields)
         settings |= {key: value for key, value in self.values if key in fields}
-        if self.is_reference:
+        if self.is_reference and self._value("method", None) != "radial":
             assert self.model.reference is not None
             settings.pop("rtol", None)
-            settings |= self.model.reference.model_dump(exclude_none=True)
+            settings |= self.model.reference.model_dump(exclude_unset=True)
         chosen = "rtol" in settings and settings.get("method", "fast") in TAKES_RTOL
         for needed in ("N", "R"):
             if needed not in settings and not chosen:
@@ -145,6 +168,8 @@ class Run:
         if solver.method == "carleman":
             carleman_scenes.check_scene(self.scene)
         if self.model.reference is not None and not self.is_reference:
+            self.reference.check()
+        if self.model.run == "collision" and not self.is_reference:
             other = self.reference.choice.solver.method
             if radial != (other == "radial"):
                 raise ValueError(

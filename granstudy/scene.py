@@ -17,6 +17,7 @@ from granstudy.initial import (
     DoubleWell3D,
     InitialDensity,
     Maxwellian,
+    ThreeGaussians3D,
 )
 from granstudy.kernel import VHS, Restitution, check_restitution, maxwell
 from granstudy.symmetry import Symmetry
@@ -27,6 +28,7 @@ INITIAL_DENSITIES: dict[str, Callable[..., InitialDensity]] = {
     "bkw3d": Bkw3D,
     "double_well2d": DoubleWell2D,
     "double_well3d": DoubleWell3D,
+    "three_gaussians3d": ThreeGaussians3D,
     "maxwellian2d": partial(Maxwellian, 2),
     "maxwellian3d": partial(Maxwellian, 3),
 }

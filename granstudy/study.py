@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from granstudy.errors import unknown_name
 from granstudy.run import Run
 from granstudy.study_file import SWEPT, Experiment, StudyFile, read_study_file
 
@@ -46,7 +47,28 @@ def load_study(path: str | Path) -> Study:
                 where = f"experiments.{name}, run {run.path}"
                 raise ValueError(f"{path}: {where}: {error}") from None
             runs[name][run.path] = run
+        try:
+            _check_baseline(list(runs[name].values()))
+        except ValueError as error:
+            raise ValueError(f"{path}: experiments.{name}.{error}") from None
+        figure = experiment.figure
+        for other in figure.beside if figure else ():
+            if other not in model.experiments:
+                known = list(model.experiments)
+                raise ValueError(
+                    f"{path}: experiments.{name}.figure.beside: "
+                    f"{unknown_name('experiment', other, known)}"
+                )
     return Study(Path(path).stem, model, runs)
+
+
+def _check_baseline(runs: list[Run]) -> None:
+    """Raise ValueError unless the baseline of a benchmark's speedups is one of its runs."""
+    baseline = runs[0].timing.baseline
+    if baseline is not None and (count := sum(run.has(baseline) for run in runs)) != 1:
+        raise ValueError(
+            f"timing.baseline: {baseline} are the values of {count} runs, must be of one"
+        )
 
 
 def _expand(name: str, experiment: Experiment) -> list[Run]:
@@ -57,7 +79,7 @@ def _expand(name: str, experiment: Experiment) -> list[Run]:
         for values in itertools.product(*lists):
             run = Run(name, experiment, tuple(zip(keys, values, strict=True)))
             runs.append(run)
-            if experiment.reference is not None:
+            if experiment.run == "collision":
                 runs.append(run.reference)
     return runs
 

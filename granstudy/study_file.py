@@ -13,6 +13,7 @@ SWEPT = (
     "e",
     "exponent",
     "epsilon",
+    "symmetry",
     "N",
     "R",
     "N_rho",
@@ -50,6 +51,9 @@ class SceneModel(_Model):
     epsilon: Annotated[float | None, Field(description="diffusion ε; default 1e-6")] = None
     temperature: Annotated[float | None, Field(description="of a maxwellian scene")] = None
     velocity: Annotated[list[float] | None, Field(description="of a maxwellian scene")] = None
+    symmetry: Annotated[
+        str | None, Field(description="none, inversion, ...; default: what the density declares")
+    ] = None
 
 
 class SolverModel(_Model):
@@ -81,13 +85,33 @@ class TimeModel(_Model):
     )
 
 
+class TimingModel(_Model):
+    """How a benchmark times its runs."""
+
+    baseline: Annotated[
+        dict[str, Value] | None,
+        Field(
+            description="parameters of the one run that speedups are taken over; default: literal "
+            "at the same N"
+        ),
+    ] = None
+    single_thread: Annotated[bool, Field(description="time with one thread, too")] = True
+    memory: Annotated[bool, Field(description="measure the peak memory, too")] = True
+    rounds: Annotated[int, Field(ge=1, description="turns that every run gets at least")] = 3
+    radial_nodes: Annotated[
+        int,
+        Field(description="N of the radial run that errors of radial runs are measured against"),
+    ] = 96
+
+
 class TableModel(_Model):
     """Which number of every run goes into the table."""
 
     quantity: Annotated[
         str,
         Field(
-            description="a variable of the runs, at its last time; for collisions 'collision_error'"
+            description="a variable of the runs, at its last time; for collisions "
+            "'collision_error', for benchmarks 'seconds' or 'error'"
         ),
     ]
     paper: Annotated[str | None, Field(description="reference file of printed values")] = None
@@ -96,15 +120,20 @@ class TableModel(_Model):
 class FitModel(_Model):
     """What is fitted to the runs."""
 
-    law: Literal["order", "haff"]
+    law: Literal["order", "haff", "growth"]
     x: Annotated[str | None, Field(description="for an order: the refined parameter")] = None
 
 
 class FigureModel(_Model):
-    """What is drawn: a quantity against a swept parameter, or temperature against time."""
+    """What is drawn: a quantity against a swept parameter, temperature against time, or a front."""
 
-    kind: Literal["convergence", "cooling", "speed"]
+    kind: Literal["convergence", "cooling", "speed", "front"]
     x: Annotated[str | None, Field(description="the parameter on the abscissa")] = None
+    title: Annotated[str | None, Field(description="default: the experiment's")] = None
+    beside: Annotated[
+        list[str],
+        Field(description="for a front: other experiments, a panel each beside this one's"),
+    ] = []
 
 
 class Experiment(_Model):
@@ -117,8 +146,12 @@ class Experiment(_Model):
     time: TimeModel | None = None
     reference: Annotated[
         SolverModel | None,
-        Field(description="for collisions: the solver that errors are measured against"),
+        Field(
+            description="the solver that errors are measured against; collisions need it, "
+            "benchmarks may have it"
+        ),
     ] = None
+    timing: TimingModel | None = None
     threads: Annotated[int, Field(ge=1, description="cores a run takes")] = 1
     sweep: Annotated[
         list[dict[str, Value | list[Value]]],
@@ -132,8 +165,10 @@ class Experiment(_Model):
     def _fits_together(self) -> "Experiment":
         if (self.run == "evolution") != (self.time is not None):
             raise ValueError("time: evolution runs need it, others do not take it")
-        if (self.run == "collision") != (self.reference is not None):
-            raise ValueError("reference: collision runs need it, others do not take it")
+        if self.run != "benchmark" and (self.run == "collision") != (self.reference is not None):
+            raise ValueError("reference: collision runs need it, evolution runs do not take it")
+        if self.timing is not None and self.run != "benchmark":
+            raise ValueError("timing: only benchmarks take it")
         keys = [tuple(k for k in SWEPT if k in block) for block in self.sweep]
         for block in self.sweep:
             for key in block:
@@ -142,7 +177,7 @@ class Experiment(_Model):
                         f"sweep: unknown parameter {key!r}{nearest(key, SWEPT)}: "
                         f"allowed are {', '.join(SWEPT)}"
                     )
-        if len(set(keys)) > 1:
+        if len(set(keys)) > 1 and self.run != "benchmark":
             raise ValueError(f"sweep: all blocks must set the same parameters, got {keys}")
         return self
 
@@ -206,6 +241,7 @@ def _known_fields(location: tuple[Any, ...]) -> list[str]:
         "scene": SceneModel,
         "solver": SolverModel,
         "time": TimeModel,
+        "timing": TimingModel,
         "table": TableModel,
         "fit": FitModel,
         "figure": FigureModel,

@@ -14,7 +14,7 @@ from granstudy import theory
 from granstudy.aggregate import final_values, open_runs
 from granstudy.dataset import CONVENTIONS, Status, read_dataset, write_dataset
 from granstudy.errors import unknown_name
-from granstudy.fits import fit_haff, fit_order
+from granstudy.fits import fit_haff, fit_order, growth_exponent
 from granstudy.markdown import markdown_table
 from granstudy.printed import match_printed, printed_quantity
 from granstudy.whole_file import write_whole
@@ -28,6 +28,9 @@ DEFAULT_QUANTITY = {
     "collision": "collision_error",
     "benchmark": "seconds",
 }
+LEAST_MEMORY_MB = 8.0
+"""Peak memories below this are the allocator's, and not fitted."""
+
 Rows = list[tuple["Run", str]]
 
 
@@ -78,6 +81,8 @@ def experiment_table(
     table.attrs["quantity"] = quantity
     if experiment.fit is not None and experiment.fit.law == "order":
         table = _with_order(table, quantity, experiment.fit.x)
+    elif experiment.fit is not None and experiment.fit.law == "growth":
+        table = _with_growth(table)
     elif experiment.fit is not None:
         table = _with_haff(table, rows)
     if asked and asked.paper:
@@ -194,6 +199,29 @@ def _with_order(table: xr.Dataset, quantity: str, x: str | None) -> xr.Dataset:
     return table
 
 
+def _with_growth(table: xr.Dataset) -> xr.Dataset:
+    """Add the exponents of time and memory in N, of each method, and those of N^{d+1} log N."""
+    exponents = np.full((3, table.sizes["run"]), np.nan)
+    groups: dict[tuple[Any, ...], list[int]] = {}
+    for i, key in enumerate(zip(table["method"].values, table["threads"].values, strict=True)):
+        groups.setdefault(key, []).append(i)
+    for members in groups.values():
+        N = table["N"].values[members].astype(float)
+        exponents[0, members] = growth_exponent(N, table["seconds"].values[members])
+        if "peak_memory_mb" in table:
+            memory = table["peak_memory_mb"].values[members]
+            exponents[1, members] = growth_exponent(N, memory, LEAST_MEMORY_MB)
+        exponents[2, members] = growth_exponent(N, N ** (table.attrs["dim"] + 1) * np.log(N))
+    long_names = {
+        "time_exponent": "p of seconds ~ N^p, fitted to the runs of a method",
+        "memory_exponent": f"p of peak memory ~ N^p, fitted where it is above {LEAST_MEMORY_MB} MB",
+        "law_exponent": "p of N^{d+1} log N ~ N^p, fitted to the same N",
+    }
+    for values, (name, long_name) in zip(exponents, long_names.items(), strict=True):
+        table[name] = ("run", values, {"long_name": long_name, "units": "1"})
+    return table
+
+
 def _with_haff(table: xr.Dataset, rows: Rows) -> xr.Dataset:
     """Add C0 fitted to each run, its standard error, and C0 of theory for a Gaussian shape."""
     fitted = []
@@ -248,7 +276,7 @@ def _finish(table: xr.Dataset, experiment: "Experiment") -> xr.Dataset:
         "benchmark": [str(name) for name in table.data_vars],
     }[experiment.run]
     names = [name for name in (*first, *beside, "status") if name in table]
-    kept = ("swept", "quantity", "refined", "paper_quantity")
+    kept = ("swept", "quantity", "refined", "paper_quantity", "dim")
     attributes = {key: table.attrs[key] for key in kept if key in table.attrs}
     table = table[[*dict.fromkeys(name for name in names if name != "status"), "status"]]
     table.attrs = {

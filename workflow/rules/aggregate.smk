@@ -23,6 +23,7 @@ rule table:
 rule figure:
     input:
         table=f"{RESULTS}/tables/{{experiment}}.nc",
+        beside=lambda wildcards: tables_beside(wildcards.experiment),
         runs=lambda wildcards: run_files(wildcards.experiment),
     output:
         multiext(f"{RESULTS}/figures/{{experiment}}", ".png", ".svg"),

@@ -38,6 +38,12 @@ def run_files(experiment):
     return [f"{RUNS}/{experiment}/{path}.nc" for path in STUDY.runs[experiment]]
 
 
+def tables_beside(experiment):
+    """Tables of the other experiments that a figure shows."""
+    figure = STUDY.model.experiments[experiment].figure
+    return [f"{RESULTS}/tables/{name}.nc" for name in (figure.beside if figure else [])]
+
+
 def experiments_with(part):
     """Names of the experiments that ask for a ``table`` or a ``figure``."""
     return [

@@ -28,6 +28,28 @@ for job in JOBS:
             "../scripts/run.py"
 
 
+def benchmarked(experiment):
+    """Runs of a benchmark, and those that their errors are measured against."""
+    runs = list(STUDY.runs[experiment].values())
+    with_errors = STUDY.model.experiments[experiment].reference is not None
+    return runs + [run.reference for run in runs if with_errors]
+
+
+def benchmark_parameters(experiment):
+    """All that a benchmark's numbers depend on but the code."""
+    runs = benchmarked(experiment)
+    parameters = list(dict.fromkeys(run.parameters() for run in runs))
+    return [*parameters, runs[0].timing.model_dump_json()]
+
+
+def benchmark_code(experiment):
+    """Fingerprints of the code that is timed, and of the code that times it."""
+    operators = sorted({run.choice.solver.operator for run in benchmarked(experiment)})
+    return [run_fingerprint("collision", operator) for operator in operators] + [
+        fingerprint(["granstudy.benchmark"])
+    ]
+
+
 # Alone on the machine: it takes all cores, so that nothing else disturbs its timings.
 rule benchmark:
     output:
@@ -39,13 +61,8 @@ rule benchmark:
     threads: workflow.cores
     params:
         study=STUDY_FILE,
-        parameters=lambda wildcards: [
-            run.parameters() for run in STUDY.runs[wildcards.experiment].values()
-        ],
-        code=lambda wildcards: [
-            run_fingerprint("collision", operator)
-            for operator in ("adaptive", "direct", "fast", "literal")
-        ],
+        parameters=lambda wildcards: benchmark_parameters(wildcards.experiment),
+        code=lambda wildcards: benchmark_code(wildcards.experiment),
     message:
         "benchmark {wildcards.experiment}"
     script:

@@ -1,0 +1,76 @@
+"""How figures look: colours, markers, labels, sizes."""
+
+from typing import Any
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+"""Okabe & Ito, "Color Universal Design" (2008): told apart by colour-blind readers."""
+
+METHOD_COLOURS = {
+    "literal": "#8CC9F0",
+    "fast": "#D55E00",
+    "fast, rtol": "#CC79A7",
+    "carleman": "#009E73",
+    "direct": "#0072B2",
+    "radial": "#E69F00",
+}
+"""A method has the same colour in every figure."""
+
+METHODS_FIRST = {"direct": 0, "literal": 1, "fast": 2, "fast, rtol": 3, "carleman": 4, "radial": 5}
+"""From the slowest to the fastest, as a legend lists them."""
+
+MARKERS = ("o", "s", "^", "D")
+PAPER = "Hu & Ma (2019)"
+PAPER_LOOK: dict[str, Any] = {
+    "color": "black",
+    "linestyle": "none",
+    "marker": "o",
+    "markerfacecolor": "none",
+    "markersize": 11.0,
+    "markeredgewidth": 0.9,
+    "zorder": 4,
+}
+
+SYMBOLS = {
+    "e": "$e$",
+    "exponent": r"$\lambda$",
+    "epsilon": r"$\varepsilon$",
+    "N": "$N$",
+    "R": "$R$",
+    "N_rho": r"$N_\rho$",
+    "M_sph": r"$M_\mathrm{sph}$",
+    "M_cir": r"$M_\mathrm{cir}$",
+    "dt": r"$\Delta t$",
+    "paper_temperature_error": r"$|T - T_\mathrm{ref}|$",
+    "temperature_error": r"$|T - T_\mathrm{exact}|$",
+    "collision_error": r"$\|Q - Q_\mathrm{direct}\|_\infty$",
+    "relative_error": r"$\|Q - Q_\mathrm{direct}\|_\infty / \|Q_\mathrm{direct}\|_\infty$",
+    "error": r"$\|Q - Q_\mathrm{ref}\|_\infty / \|Q_\mathrm{ref}\|_\infty$",
+    "seconds": "time per evaluation of $Q$ (s)",
+}
+"""Axis labels: the paper's symbols."""
+
+LABELS = {
+    "design": "spherical designs",
+    "lebedev": "Lebedev",
+    "product": "Gauss in cos θ × uniform φ",
+    "gauss-theta-phi": "Gauss in θ × Gauss in φ",
+}
+"""How the legend calls what a path names shortly."""
+
+STYLE: Any = {
+    "font.size": 9.0,
+    "axes.titlesize": 9.0,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "grid.color": "0.9",
+    "grid.linewidth": 0.6,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "lines.linewidth": 1.4,
+    "lines.markersize": 5.0,
+    "svg.hashsalt": "granstudy",
+}
+WIDTH = 8.0
+PANEL_HEIGHT = 3.0
