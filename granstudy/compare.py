@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from pandas.api.types import is_bool_dtype, is_numeric_dtype
 
 from granstudy.study_file import SWEPT
 
@@ -116,7 +117,7 @@ def _grade_column(both: pd.DataFrame, column: str) -> tuple[Grade, str]:
         if lost:
             return Grade.MISSING, f"{lost} numbers are not there"
         return Grade.OK, f"present; not compared: {tolerance.reason}"
-    if not (pd.api.types.is_numeric_dtype(old) and pd.api.types.is_numeric_dtype(new)):
+    if not all(is_numeric_dtype(c) and not is_bool_dtype(c) for c in (old, new)):
         differ = int((old.astype(str) != new.astype(str)).sum())
         return (Grade.MAJOR, f"{differ} texts differ") if differ else (Grade.OK, "same text")
     grades = [grade(float(a), float(b), tolerance) for a, b in zip(new, old, strict=True)] or [
