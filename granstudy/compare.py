@@ -118,7 +118,7 @@ def _grade_column(both: pd.DataFrame, column: str) -> tuple[Grade, str]:
             return Grade.MISSING, f"{lost} numbers are not there"
         return Grade.OK, f"present; not compared: {tolerance.reason}"
     if not all(is_numeric_dtype(c) and not is_bool_dtype(c) for c in (old, new)):
-        differ = int((old.astype(str) != new.astype(str)).sum())
+        differ = int((old.fillna("").astype(str) != new.fillna("").astype(str)).sum())
         return (Grade.MAJOR, f"{differ} texts differ") if differ else (Grade.OK, "same text")
     grades = [grade(float(a), float(b), tolerance) for a, b in zip(new, old, strict=True)] or [
         Grade.OK

@@ -44,6 +44,28 @@ def tables_beside(experiment):
     return [f"{RESULTS}/tables/{name}.nc" for name in (figure.beside if figure else [])]
 
 
+def benchmarked(experiment):
+    """Runs of a benchmark, and those that their errors are measured against."""
+    runs = list(STUDY.runs[experiment].values())
+    with_errors = STUDY.model.experiments[experiment].reference is not None
+    return runs + [run.reference for run in runs if with_errors]
+
+
+def benchmark_parameters(experiment):
+    """All that a benchmark's numbers depend on but the code."""
+    runs = benchmarked(experiment)
+    parameters = list(dict.fromkeys(run.parameters() for run in runs))
+    return [*parameters, runs[0].timing.model_dump_json()]
+
+
+def benchmark_code(experiment):
+    """Fingerprints of the code that is timed, and of the code that times it."""
+    operators = sorted({run.choice.solver.operator for run in benchmarked(experiment)})
+    return [run_fingerprint("collision", operator) for operator in operators] + [
+        fingerprint(["granstudy.benchmark"])
+    ]
+
+
 def experiments_with(part):
     """Names of the experiments that ask for a ``table`` or a ``figure``."""
     return [
