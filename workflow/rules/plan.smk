@@ -1,7 +1,7 @@
 # What the study will take, before it runs: `snakemake plan`. Not part of `all`.
 rule plan:
     input:
-        STUDY_FILE,
+        study=STUDY_FILE,
     output:
         f"{RESULTS}/plan.md",
         f"{RESULTS}/plan.csv",
@@ -10,7 +10,6 @@ rule plan:
     conda:
         "../envs/granstudy.yaml"
     params:
-        study=STUDY_FILE,
         code=fingerprint(["granstudy.plan_table"]),
     message:
         "plan"
