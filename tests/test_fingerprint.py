@@ -107,7 +107,7 @@ def test_design_points_count_as_code(package):
 def test_figures_and_tables_are_apart_from_runs_and_from_each_other(package):
     before = all_fingerprints()
     tables, figures = fingerprint(["granstudy.tables"]), fingerprint(["granstudy.figures"])
-    edited(package / "figures.py", "WIDTH = 8.0", "WIDTH = 9.0")
+    edited(package / "look.py", "WIDTH = 8.0", "WIDTH = 9.0")
     assert changed(before) == set()
     assert fingerprint(["granstudy.tables"]) == tables
     assert fingerprint(["granstudy.figures"]) != figures
