@@ -16,15 +16,12 @@ from granstudy.collision.carleman_scenes import check_scene
 from granstudy.collision.carleman_weights import Product, loss_profile, mirrored, products
 from granstudy.collision.operator import check_state
 from granstudy.collision.rules import directions
-from granstudy.collision.transforms import RealTransforms
+from granstudy.collision.transforms import RealTransforms, largest_batch
 from granstudy.collision.workers import SHARES, Workers
 from granstudy.grid import VelocityGrid
 from granstudy.quadrature import Rule, half
 from granstudy.scene import Scene
 from granstudy.solver import Solver
-
-BATCH_BYTES = 2**17
-"""Small grids are transformed several at a time, one buffer up to this size (it fits a core's cache)."""
 
 
 class CarlemanOperator:
@@ -63,7 +60,7 @@ class CarlemanOperator:
         """Divide the products, and give every thread its buffers and transforms."""
         count = len(self._filters.odd)
         share = -(-count // SHARES)
-        largest = max(1, BATCH_BYTES // (8 * self.grid.N**self.grid.dim))
+        largest = largest_batch(self.grid.N**self.grid.dim)
         # Equal batches: no transform is spent on padding but in the last share.
         self._batch = -(-share // -(-share // largest))
         bounds = [(start, min(start + share, count)) for start in range(0, count, share)]

@@ -30,8 +30,6 @@ DEGREE = 5
 CELL = 0.05
 """Their cell in units of 1/R: an error of about 1e-15 of the largest weight."""
 
-RowWeights = Callable[[float], tuple[np.ndarray, np.ndarray]]
-
 
 class DirectOperator:
     """Q(f,f) by summing over all pairs of modes."""

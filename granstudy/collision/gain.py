@@ -16,15 +16,12 @@ import numpy as np
 
 from granstudy.collision import kernels
 from granstudy.collision.nodes import Nodes
-from granstudy.collision.transforms import RealTransforms
+from granstudy.collision.transforms import RealTransforms, largest_batch
 from granstudy.collision.variable_restitution import pair_series
 from granstudy.collision.weights import alpha, sphere_mean
 from granstudy.collision.workers import SHARES, Workers
 from granstudy.grid import VelocityGrid
 from granstudy.scene import Scene
-
-BATCH_BYTES = 2**17
-"""Small grids are transformed several at a time, one buffer up to this size (it fits a core's cache)."""
 
 SMALLEST_SHARE = 12
 """Nodes below which a share of the sum is not worth its overhead."""
@@ -57,7 +54,7 @@ class GainSum:
         self.shares = equal_shares(len(nodes)) if shares is None else list(shares)
         self.transforms = 2 * len(nodes)
         longest = max((stop - start for start, stop in self.shares), default=1)
-        largest = max(1, BATCH_BYTES // (8 * grid.N**grid.dim))
+        largest = largest_batch(grid.N**grid.dim)
         # Equal batches: no transform is spent on padding but in the last share.
         self._batch = -(-longest // -(-longest // largest))
         self._displacements = -nodes.vectors

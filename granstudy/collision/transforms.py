@@ -3,6 +3,14 @@
 import numpy as np
 import pyfftw
 
+BATCH_BYTES = 2**17
+"""Small grids are transformed several at a time, one buffer up to this size (it fits a core's cache)."""
+
+
+def largest_batch(points: int) -> int:
+    """How many densities of so many points are transformed together at the most."""
+    return max(1, BATCH_BYTES // (8 * points))
+
 
 class RealTransforms:
     """Real transforms of a batch of densities in place, planned once on an aligned buffer.
