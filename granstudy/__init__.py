@@ -10,10 +10,12 @@ from granstudy.forecast import Forecast, plan
 from granstudy.grid import VelocityGrid
 from granstudy.kernel import VHS, Viscoelastic, hard_spheres, maxwell
 from granstudy.moments import moments
+from granstudy.physical import physical_density
 from granstudy.radial_grid import RadialGrid
 from granstudy.resolution import fit_solver
 from granstudy.scene import Scene, load_scene
 from granstudy.solver import Choice, Solver
+from granstudy.stability import stability_limit
 from granstudy.symmetry import Symmetry
 
 __all__ = [
@@ -36,10 +38,12 @@ __all__ = [
     "load_scene",
     "maxwell",
     "moments",
+    "physical_density",
     "open_runs",
     "plan",
     "read_dataset",
     "simulate",
+    "stability_limit",
     "unstack_runs",
     "write_dataset",
 ]

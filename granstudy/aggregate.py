@@ -15,6 +15,9 @@ from granstudy.errors import unknown_name
 NOT_SWEPT = ("N_theta", "N_phi", "time")
 """Coordinates of a run that follow from others."""
 
+VELOCITY_AXES = {"vx", "vy", "vz", "r", "cx", "cy", "cz", "c"}
+"""Axes of densities, of rescaled ones too."""
+
 Where = str | Path | Iterable[str | Path]
 
 
@@ -52,7 +55,7 @@ def open_runs(where: Where) -> xr.Dataset:
             f"dt: the runs have steps {np.unique(runs['dt']).tolist()} and so no common times; "
             "open one dt at a time, or take final_values"
         )
-    if {"vx", "r"} & set(runs.dims) and any(np.unique(runs[key]).size > 1 for key in ("N", "R")):
+    if VELOCITY_AXES & set(runs.dims) and any(np.unique(runs[key]).size > 1 for key in ("N", "R")):
         grids = sorted(set(zip(runs["N"].values.tolist(), runs["R"].values.tolist(), strict=True)))
         raise ValueError(f"N, R: the runs have velocity grids {grids}; open one grid at a time")
     return runs
@@ -159,7 +162,7 @@ def _labelled(ds: xr.Dataset) -> xr.Dataset:
 
 
 def _at_last_time(ds: xr.Dataset) -> xr.Dataset:
-    ds = ds.drop_dims([dim for dim in ("snapshot", "vx", "vy", "vz", "r") if dim in ds.dims])
+    ds = ds.drop_dims([dim for dim in ds.dims if dim == "snapshot" or dim in VELOCITY_AXES])
     if "time" not in ds.dims:
         return ds
     if ds.sizes["time"] == 0:  # diverged before its first moments

@@ -17,9 +17,10 @@ import xarray as xr
 
 from granstudy import theory
 from granstudy.kernel import sphere_area
-from granstudy.moments import COMPONENTS, DIMENSIONS, LONG_NAMES
+from granstudy.moments import COMPONENTS, DIMENSIONS, FRAME_LONG_NAMES, LONG_NAMES
 from granstudy.scene import Scene
 from granstudy.solver import Solver
+from granstudy.time_settings import TimeSettings
 from granstudy.velocity_space import VelocitySpace
 from granstudy.whole_file import write_whole
 
@@ -36,7 +37,9 @@ class Status(IntEnum):
     DIVERGED = 2
 
 
-def run_coordinates(scene: Scene, solver: Solver, dt: float | None = None) -> dict[str, Any]:
+def run_coordinates(
+    scene: Scene, solver: Solver, settings: TimeSettings | None = None
+) -> dict[str, Any]:
     """Every parameter of a run as a scalar coordinate under the paper's symbol, in a path's order."""
     coordinates: dict[str, Any] = {}
     if callable(scene.restitution):
@@ -55,8 +58,8 @@ def run_coordinates(scene: Scene, solver: Solver, dt: float | None = None) -> di
         if scene.dim == 3:
             coordinates["sphere_rule"] = solver.sphere_rule
         coordinates["radial_rule"] = solver.radial_rule
-    if dt is not None:
-        coordinates["dt"] = dt
+    if settings is not None:
+        coordinates |= settings.coordinates()
     return coordinates
 
 
@@ -77,8 +80,9 @@ def _quadrature_coordinates(scene: Scene, solver: Solver) -> dict[str, Any]:
 def evolution_dataset(
     scene: Scene,
     solver: Solver,
+    settings: TimeSettings,
     grid: VelocitySpace,
-    dt: float,
+    times: list[float],
     history: list[dict[str, Any]],
     snapshots: dict[float, np.ndarray],
     status: Status,
@@ -88,21 +92,25 @@ def evolution_dataset(
 ) -> xr.Dataset:
     """Dataset of a simulation: moments over ``time``, densities over ``snapshot``, status.
 
+    ``times`` are those of ``history``. A rescaled run has the frame's θ, u and τ over ``time``, too, and keeps g
+    over the scaled velocities in place of f.
+
     Where an exact temperature law is known (Maxwell molecules, constant e) it holds two references and
     two errors: `temperature_error`, of the temperature divided by the density, against the law with that
     density; and `paper_temperature_error`, the paper's measure, of 2E/d against the law of unit density.
     Both laws start from the discrete initial value. ``plans`` are the quadratures that a tolerance came to,
     each with the time it was in use from; they become the attribute `quadrature`.
     """
-    time = dt * np.arange(len(history))
+    rescaled = settings.frame == "rescaled"
+    time = np.array(times)
     components = list(COMPONENTS[: grid.dim])
     data: dict[str, Any] = {
         name: (
             ("time", *DIMENSIONS.get(name, ())),
             np.array([values[name] for values in history]),
-            {"long_name": LONG_NAMES[name], "units": "1"},
+            {"long_name": long_name, "units": "1"},
         )
-        for name in LONG_NAMES
+        for name, long_name in (LONG_NAMES | (FRAME_LONG_NAMES if rescaled else {})).items()
     }
     ds = xr.Dataset(
         data,
@@ -128,13 +136,28 @@ def evolution_dataset(
             long_name = f"|{name} − {name}_exact|"
             ds[f"{name}_error"] = ("time", error, {"long_name": long_name, "units": "1"})
     if snapshots:
-        attributes = {"long_name": "velocity density f", "units": "1"}
-        f = np.array(list(snapshots.values()))
-        ds["f"] = (("snapshot", *grid.axes), f, attributes)
-        ds = ds.assign_coords(grid.coordinates())
-        times = list(snapshots)
-        ds = ds.assign_coords(snapshot=("snapshot", times, {"long_name": "time t", "units": "1"}))
-    return _finish(ds, scene, solver, dt, status, reason, warnings, "evolution", plans)
+        ds = ds.assign(_densities(grid, snapshots, rescaled))
+    return _finish(ds, scene, solver, settings, status, reason, warnings, "evolution", plans)
+
+
+def _densities(
+    grid: VelocitySpace, snapshots: dict[float, np.ndarray], rescaled: bool
+) -> xr.Dataset:
+    """The densities f kept, or g over c in place of v."""
+    name, long_name = ("g", "density g = θ^d f over c = (v−u)/θ") if rescaled else ("f", "velocity density f")
+    values = np.array(list(snapshots.values()))
+    attributes = {"long_name": long_name, "units": "1"}
+    times = ("snapshot", list(snapshots), {"long_name": "time t", "units": "1"})
+    ds = xr.Dataset(
+        {name: (("snapshot", *grid.axes), values, attributes)},
+        coords=grid.coordinates() | {"snapshot": times},
+    )
+    if rescaled:
+        scaled = {axis: f"c{axis[1:]}" for axis in grid.axes}
+        ds = ds.rename(scaled | ({"r_weight": "c_weight"} if "r_weight" in ds else {}))
+        for axis in scaled.values():
+            ds[axis].attrs["long_name"] = f"scaled velocity {axis} of c = (v−u)/θ"
+    return ds
 
 
 def collision_dataset(
@@ -156,7 +179,7 @@ def _finish(
     ds: xr.Dataset,
     scene: Scene,
     solver: Solver,
-    dt: float | None,
+    settings: TimeSettings | None,
     status: Status,
     reason: str,
     warnings: list[str],
@@ -174,7 +197,7 @@ def _finish(
             "warnings": "\n".join(warnings),
         },
     )
-    ds = ds.assign_coords(run_coordinates(scene, solver, dt))
+    ds = ds.assign_coords(run_coordinates(scene, solver, settings))
     ds.attrs = {
         "title": f"granstudy {title}",
         "Conventions": CONVENTIONS,

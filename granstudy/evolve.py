@@ -1,21 +1,29 @@
-"""Time integration of ∂t f = Q(f,f) + ε Δv f (docs/method.md §3)."""
+"""Time integration of ∂t f = Q(f,f) + ε Δv f (docs/method.md §3 and §5)."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import scipy.fft
 import xarray as xr
 from tqdm import tqdm
 
 from granstudy import health
 from granstudy.collision import CollisionOperator, collision_operator, concrete
-from granstudy.collision.operator import NotFiniteError, SpectrumOperator
+from granstudy.conservation import check_conserve, projection
 from granstudy.dataset import Status, evolution_dataset
+from granstudy.fixed_frame import FixedFrame
 from granstudy.moments import moment_values
+from granstudy.representation import collisions, representation
+from granstudy.rescaled_frame import Centred, RescaledFrame
+from granstudy.scaled_restitution import scaled_collisions
 from granstudy.scene import Scene
+from granstudy.schemes import SCHEMES
 from granstudy.solver import Solver
+from granstudy.stability import step_warning
+from granstudy.stepping import AdaptiveSteps, FixedSteps, StoppedError
+from granstudy.time_settings import TimeSettings
 from granstudy.tuning import Tuning
 
 
@@ -24,7 +32,12 @@ def simulate(
     solver: Solver,
     *,
     t_final: float,
-    dt: float,
+    dt: float | None = None,
+    time_rtol: float | None = None,
+    times: Sequence[float] | np.ndarray | None = None,
+    frame: str = "fixed",
+    scheme: str | None = None,
+    conserve: Sequence[str] = (),
     save_every: int | None = None,
     progress: bool | None = None,
 ) -> xr.Dataset:
@@ -32,121 +45,173 @@ def simulate(
 
     Parameters
     ----------
-    t_final, dt : float
-        Final time and step; ``t_final`` must be a whole number of steps.
+    t_final : float
+        Final time.
+    dt : float, optional
+        Size of every step, of which ``t_final`` must be a whole number; each is an output.
+    time_rtol : float, optional
+        In place of ``dt``: steps of any size, each with an estimated error of at most so much of the
+        density's largest value (in a rescaled frame also of T, twice).
+    times : array_like, optional
+        With ``time_rtol``: times of the outputs, positive and increasing, beside 0 and ``t_final``. By
+        default 10 a decade from 0.01 on (or a hundredth of ``t_final``).
+    frame : str
+        ``fixed``: velocities v. ``rescaled``: velocities (v − u)/θ that shrink or grow with the gas, so
+        that its temperature stays what it is at the start on the grid; for long cooling and heating.
+    scheme : str, optional
+        ``rk3`` (the paper's; the default with ``dt``), ``dopri54`` (the default with ``time_rtol``), or
+        ``exponential``: order 3, with the diffusion exact, so that it does not limit the step.
+    conserve : sequence of str
+        Of ``mass``, ``momentum``, and for e = 1 ``energy``: what Q is corrected to conserve, by the least
+        change. The radial method has no momentum to conserve.
     save_every : int, optional
-        Keep the density every so many steps, with the first and the last; by default none is kept.
+        Keep the density every so many outputs, with the first and the last; by default none is kept.
     progress : bool, optional
         Show a progress bar; by default where a person watches (a terminal).
 
     Returns
     -------
     xarray.Dataset
-        Moments at every step over ``time``, exact laws and errors where a law is known, `status` and
+        Moments of f at every output over ``time``, exact laws and errors where a law is known, `status` and
         warnings (see `granstudy.dataset.evolution_dataset`). A run that cannot go on ends early
         with its status and what it had computed. Where the solver left something open, its coordinates
         and the attribute ``solver`` say what was chosen, ``choice`` why, and ``asked_solver`` what was asked.
+        The attribute ``steps`` counts the steps and evaluations of Q that an adaptive run made. A rescaled run
+        holds where its frame is, and its densities as `g`; see `granstudy.physical_density`.
 
     Raises
     ------
     ValueError
         For a bad scene, solver or time, before any work starts.
     """
-    steps = step_count(t_final, dt)
-    if save_every is not None and (not isinstance(save_every, int) or save_every < 1):
-        raise ValueError(f"save_every={save_every!r}: must be a positive integer or None")
+    settings = TimeSettings(
+        t_final, dt, time_rtol, times, frame, scheme, conserve, save_every  # type: ignore[arg-type]
+    )  # fmt: skip
+    check_frame(scene, solver, settings)
     choice = concrete(scene, solver)
     solver = choice.solver
-    operator = collision_operator(scene, solver)
-    grid = operator.grid
-    advance = equation(operator, scene.diffusion)
-    state = advance.state(scene.density(grid))
+    run = _prepare(scene, solver, settings)
+    grid, equation, steps = run.operator.grid, run.equation, run.steps
 
-    tuning = Tuning(operator)
+    tuning = Tuning(run.operator)
+    found: dict[str, str] = {}
+    times_reached: list[float] = []
     history: list[dict[str, Any]] = []
     snapshots: dict[float, np.ndarray] = {}
-    found: dict[str, str] = {}
     status, reason = Status.OK, ""
+    hidden = None if progress is None else not progress
     # Overflow and NaN are looked for below, in one place.
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        for step in tqdm(range(steps + 1), disable=None if progress is None else not progress):
-            try:
-                state = rk3_step(advance.rate, state, dt) if step > 0 else state
-                f = advance.density(state)
+    with (
+        np.errstate(over="ignore", invalid="ignore", divide="ignore"),
+        tqdm(total=steps.outputs, disable=hidden) as bar,
+    ):
+        try:
+            for step, time, state, is_output in steps.march(run.start):
+                f = equation.density(state)
                 values = moment_values(f, grid)
                 failed = health.failure(values)
-            except NotFiniteError:
-                failed = health.NOT_FINITE
-            if failed:
-                status = Status.DIVERGED
-                reason = f"step {step}, t = {step * dt:g}: {failed}"
-                break
-            history.append(values)
-            last = step == steps
-            if save_every is not None and (step % save_every == 0 or last):
-                snapshots[step * dt] = f.copy()
-            density0 = history[0]["density"]
-            for name, text in health.warnings(f, values, density0, grid).items():
-                found.setdefault(name, f"from t = {step * dt:g}: {text}")
-            for name, text in tuning.review(step, step * dt, f).items():
-                found.setdefault(name, f"from t = {step * dt:g}: {text}")
+                if failed:
+                    raise StoppedError(step, time, failed)
+                plans = len(tuning.plans)
+                texts = tuning.review(step, time, f)
+                if len(tuning.plans) > plans:
+                    steps.equation_changed()
+                if is_output:
+                    if save_every is not None and (
+                        len(history) % save_every == 0 or len(history) == steps.outputs - 1
+                    ):
+                        snapshots[time] = f.copy()
+                    times_reached.append(time)
+                    history.append(equation.record(values, state))
+                    density0 = history[0]["density"]
+                    texts |= health.warnings(f, values, density0, grid)
+                    texts |= _step_warnings(run, settings, state, history)
+                    bar.update()
+                for name, text in texts.items():
+                    found.setdefault(name, f"from t = {time:g}: {text}")
+        except StoppedError as stopped:
+            status, reason = Status.DIVERGED, str(stopped)
     ds = evolution_dataset(
-        scene, solver, grid, dt, history, snapshots, status, reason, list(found.values()),
-        tuning.plans,
+        scene, solver, settings, grid, times_reached, history, snapshots, status, reason,
+        list(found.values()), tuning.plans,
     )  # fmt: skip
+    if isinstance(steps, AdaptiveSteps):
+        ds.attrs["steps"] = json.dumps(steps.describe())
     return ds.assign_attrs(choice.attributes())
 
 
-def step_count(t_final: float, dt: float) -> int:
-    """Number of steps, or ValueError where ``t_final`` is not a whole number of them."""
-    for field, value in (("t_final", t_final), ("dt", dt)):
-        if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
-            raise ValueError(f"{field}={value!r}: must be a positive number")
-        if not (np.isfinite(value) and value > 0):
-            raise ValueError(f"{field}={value!r}: must be a positive number")
-    steps = round(t_final / dt)
-    if steps < 1 or abs(steps * dt - t_final) > 1e-9 * t_final:
-        raise ValueError(f"dt={dt!r}: t_final={t_final!r} must be a whole number of steps")
-    return steps
+def check_frame(scene: Scene, solver: Solver, settings: TimeSettings) -> None:
+    """Raise ValueError for what a frame or conservation cannot do with a scene and a solver."""
+    check_conserve(settings.conserve, scene.restitution)
+    if settings.frame == "rescaled" and callable(scene.restitution) and solver.rtol is not None:
+        raise ValueError(
+            f"rtol={solver.rtol!r}: not where a rescaled frame changes the scale of "
+            f"restitution={scene.restitution!r}; give N_rho and M_sph (M_cir)"
+        )
 
 
 @dataclass(frozen=True)
-class Equation:
-    """∂t f = Q(f,f) + ε Δv f for what a method advances: its ``rate``, the way from f and back."""
+class _Prepared:
+    """All that is known before the first step."""
 
-    rate: Callable[[np.ndarray], np.ndarray]
-    state: Callable[[np.ndarray], np.ndarray]
-    density: Callable[[np.ndarray], np.ndarray]
-
-
-def equation(operator: CollisionOperator, diffusion: float) -> Equation:
-    """Advance f, or f̂ where the operator says so; the diffusion costs nothing at ε = 0.
-
-    It is exact in the space of the method's modes, for f̂ by the multiplier −(π|k|/L)² (docs/method.md §3).
-    """
-    if isinstance(operator, SpectrumOperator):
-        grid, spectrum = operator.grid, operator.spectrum
-        multiplier = -diffusion * (np.pi / grid.L) ** 2 * grid.wavenumber_squared()
-        return Equation(
-            rate=(lambda f_hat: spectrum(f_hat) + multiplier * f_hat) if diffusion else spectrum,
-            state=lambda f: scipy.fft.fftn(f, norm="forward"),
-            density=lambda f_hat: scipy.fft.ifftn(f_hat, norm="forward").real,
-        )
-
-    laplacian = operator.grid.laplacian
-
-    def heated(f: np.ndarray) -> np.ndarray:
-        return operator(f) + diffusion * laplacian(f)
-
-    def same(f: np.ndarray) -> np.ndarray:
-        return f
-
-    return Equation(rate=heated if diffusion else operator, state=same, density=same)
+    operator: CollisionOperator
+    equation: FixedFrame | RescaledFrame
+    steps: FixedSteps | AdaptiveSteps
+    start: np.ndarray
 
 
-def rk3_step(rhs: Callable[[np.ndarray], np.ndarray], f: np.ndarray, dt: float) -> np.ndarray:
-    """One step of Kutta's third-order scheme (paper eq. 48)."""
-    k1 = rhs(f)
-    k2 = rhs(f + dt / 2 * k1)
-    k3 = rhs(f - dt * k1 + 2 * dt * k2)
-    return f + dt / 6 * (k1 + 4 * k2 + k3)
+def _prepare(scene: Scene, solver: Solver, settings: TimeSettings) -> _Prepared:
+    velocity = np.zeros(scene.dim)
+    if settings.frame == "rescaled" and solver.method != "radial":
+        scene, velocity = centred(scene, solver)
+    operator = collision_operator(scene, solver)
+    form = representation(operator)
+
+    project = projection(form, settings.conserve)
+    Q = collisions(operator)
+    equation: FixedFrame | RescaledFrame
+    if settings.frame == "fixed":
+        equation = FixedFrame(form, lambda f: project(Q(f)), scene.diffusion)
+    else:
+        Q_at = scaled_collisions(scene, solver, Q)
+        equation = RescaledFrame(
+            form, lambda g, scale: project(Q_at(g, scale)), scene.diffusion,
+            scene.kernel.exponent, velocity,
+        )  # fmt: skip
+    made = SCHEMES[settings.scheme]
+    steps: FixedSteps | AdaptiveSteps
+    if settings.time_rtol is None:
+        assert settings.dt is not None
+        steps = FixedSteps(equation, made, settings.dt, settings.steps)
+    else:
+        steps = AdaptiveSteps(equation, made, settings.outputs, settings.time_rtol)
+    return _Prepared(operator, equation, steps, equation.start(scene.density(operator.grid)))
+
+
+def centred(scene: Scene, solver: Solver) -> tuple[Scene, np.ndarray]:
+    """The scene seen from its bulk velocity u on the solver's grid, and u."""
+    grid = solver.grid(scene.dim)
+    m = grid.velocity_moments(scene.density(grid))
+    u = m.momentum / m.density
+    thermal = np.sqrt(np.trace(m.pressure) / (scene.dim * m.density))
+    # Round-off is no velocity: symmetric densities keep their digits.
+    u = np.where(np.abs(u) > 1e-10 * thermal, u, 0.0)
+    if not u.any():
+        return scene, u
+    initial = Centred(scene.initial, tuple(map(float, u)))  # type: ignore[arg-type]
+    return replace(scene, initial=initial), u
+
+
+def _step_warnings(
+    run: _Prepared, settings: TimeSettings, state: np.ndarray, history: list[dict[str, Any]]
+) -> dict[str, str]:
+    """Whether the step is above what the scheme is stable with."""
+    if settings.dt is None:
+        return {}
+    shrinking = 0.0
+    if settings.frame == "rescaled" and len(history) > 1:
+        before, now = (values["velocity_scale"] for values in history[-2:])
+        shrinking = np.log(now / before) / settings.dt
+    diffusion = run.equation.diffusivity(state)
+    text = step_warning(settings.scheme, run.operator.grid, settings.dt, diffusion, shrinking)
+    return {} if text is None else {"step": text}

@@ -18,7 +18,7 @@ from granstudy.cost import (
     step_seconds,
     transform_count,
 )
-from granstudy.evolve import step_count
+from granstudy.time_settings import step_count
 from granstudy.kernel import check_restitution
 from granstudy.scene import Scene
 from granstudy.solver import Solver

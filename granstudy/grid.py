@@ -1,5 +1,6 @@
 """The velocity grid: nodes, wavenumbers, box and truncation radius (docs/method.md §2)."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -107,6 +108,20 @@ class VelocityGrid:
             fourth=(sum(ci**2 for ci in c) ** 2 * f).sum() * self.cell,
         )
 
+    @property
+    def measure(self) -> float:
+        """Weight of every node in the integral over velocity."""
+        return self.cell
+
+    def invariants(self) -> dict[str, np.ndarray]:
+        """1, the d components of v and ½|v|² at the nodes, shapes (n, *shape)."""
+        v = np.array(np.broadcast_arrays(*self.velocities()))
+        return {
+            "mass": np.ones((1, *self.shape)),
+            "momentum": v,
+            "energy": 0.5 * np.square(v).sum(axis=0, keepdims=True),
+        }
+
     def edge(self, f: np.ndarray) -> float:
         """Largest |f| on the box's faces."""
         return max(float(np.max(np.abs(np.take(f, [0, -1], axis=i)))) for i in range(self.dim))
@@ -118,6 +133,52 @@ class VelocityGrid:
     @cached_property
     def _laplacian(self) -> np.ndarray:
         return -((np.pi / self.L) ** 2) * self.wavenumber_squared(half=True)
+
+    @property
+    def largest_laplacian(self) -> float:
+        """Largest |eigenvalue| of the Laplacian, d (πN/2L)²."""
+        return float(self.dim * (np.pi / self.spacing) ** 2)
+
+    def laplacian_functions(
+        self, x: float, terms: Sequence[tuple[Callable[[np.ndarray], np.ndarray], np.ndarray]]
+    ) -> np.ndarray:
+        """Σ φ(xΔ) f over the ``terms`` (φ, f), f real."""
+        spectrum = sum(phi(x * self._laplacian) * scipy.fft.rfftn(f) for phi, f in terms)
+        return scipy.fft.irfftn(spectrum, s=self.shape)
+
+    def gradient(self, f: np.ndarray) -> list[np.ndarray]:
+        """∂f/∂v_i for each i, exact for what the grid represents."""
+        return [_along(self._derivative, f, axis) for axis in range(self.dim)]
+
+    def dilation(self, f: np.ndarray) -> np.ndarray:
+        """∇v·(v f) (docs/method.md §5)."""
+        return np.asarray(sum(_along(self._dilation, f, axis) for axis in range(self.dim)))
+
+    @cached_property
+    def _dilation(self) -> np.ndarray:
+        """Matrix of d/dv v· = ½(d/dv v· + v· d/dv + 1), whose eigenvalues have the real part ½.
+
+        So what flows to the border of the box, where v jumps, does not pile up there.
+        """
+        D, v = self._derivative, self.nodes
+        return 0.5 * (D * v + v[:, None] * D + np.eye(self.N))
+
+    @cached_property
+    def largest_dilation(self) -> float:
+        """Largest |eigenvalue| of `dilation`, d times that of one dimension."""
+        return float(self.dim * np.max(np.abs(np.linalg.eigvals(self._dilation))))
+
+    @cached_property
+    def _derivative(self) -> np.ndarray:
+        """Matrix of d/dv on one dimension's nodes; the unpaired mode −N/2 has the derivative 0 there."""
+        k = np.where(self.wavenumbers == -self.N // 2, 0, self.wavenumbers)
+        waves = scipy.fft.fft(np.eye(self.N), axis=0)
+        return scipy.fft.ifft(1j * np.pi / self.L * k[:, None] * waves, axis=0).real
+
+
+def _along(matrix: np.ndarray, f: np.ndarray, axis: int) -> np.ndarray:
+    """``matrix`` times ``f`` along one axis."""
+    return np.moveaxis(np.tensordot(matrix, f, axes=(1, axis)), 0, axis)
 
 
 def check_dim(dim: int) -> None:

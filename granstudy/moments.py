@@ -18,9 +18,16 @@ LONG_NAMES = {
     "minimum": "smallest value of the density on the grid",
 }
 
+FRAME_LONG_NAMES = {
+    "velocity_scale": "velocity scale θ of the rescaled frame, v = u + θc",
+    "frame_velocity": "velocity u of the rescaled frame",
+    "collision_time": "collision time τ = ∫θ^λ dt",
+}
+"""Where a rescaled frame is (docs/method.md §5)."""
 
 DIMENSIONS: dict[str, tuple[str, ...]] = {
     "velocity": ("component",),
+    "frame_velocity": ("component",),
     "pressure": ("component", "component_"),
 }
 """Dimensions of the moments that are not scalars."""

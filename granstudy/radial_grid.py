@@ -1,5 +1,6 @@
 """The radial grid: isotropic densities by their values at N speeds (docs/method.md §7)."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -9,7 +10,7 @@ from scipy.special import j1, jn_zeros
 
 from granstudy.grid import VelocityGrid, check_dim, check_node_count, check_radius
 from granstudy.kernel import sphere_area
-from granstudy.sphere import sphere_mean
+from granstudy.sphere import sphere_mean, sphere_mean_slope
 from granstudy.velocity_space import VelocityMoments
 
 BALL_RATIO = 1.3
@@ -103,12 +104,32 @@ class RadialGrid:
     @cached_property
     def analysis(self) -> np.ndarray:
         """Matrix from the values f_j to the coefficients c_m."""
-        return np.linalg.inv(self.mode_values(self.nodes))
+        return np.linalg.inv(self._synthesis)
+
+    @cached_property
+    def _synthesis(self) -> np.ndarray:
+        """Matrix from the coefficients c_m to the values f_j."""
+        return self.mode_values(self.nodes)
 
     @cached_property
     def _laplacian(self) -> np.ndarray:
-        synthesis = self.mode_values(self.nodes)
-        return (synthesis * -(self.wavenumbers**2)) @ self.analysis
+        return (self._synthesis * -(self.wavenumbers**2)) @ self.analysis
+
+    @property
+    def largest_laplacian(self) -> float:
+        """Largest |eigenvalue| of the Laplacian, k_N²."""
+        return float(self.wavenumbers[-1] ** 2)
+
+    @cached_property
+    def _dilation(self) -> np.ndarray:
+        """d + r d/dr, with x M'(x) at x = k_m r_j for r dM/dr."""
+        slopes = sphere_mean_slope(self.dim, np.multiply.outer(self.nodes, self.wavenumbers))
+        return self.dim * np.eye(self.N) + slopes @ self.analysis
+
+    @cached_property
+    def largest_dilation(self) -> float:
+        """Largest |eigenvalue| of `dilation`."""
+        return float(np.max(np.abs(np.linalg.eigvals(self._dilation))))
 
     @cached_property
     def _powers(self) -> np.ndarray:
@@ -145,6 +166,19 @@ class RadialGrid:
             fourth=fourth,
         )
 
+    @property
+    def measure(self) -> np.ndarray:
+        """Weights of the integral over velocity."""
+        return self.weights
+
+    def invariants(self) -> dict[str, np.ndarray]:
+        """1 and ½r² at the nodes, shape (1, N); no momentum, which is 0 for every isotropic density."""
+        return {
+            "mass": np.ones((1, self.N)),
+            "momentum": np.zeros((0, self.N)),
+            "energy": 0.5 * self.nodes[np.newaxis] ** 2,
+        }
+
     def edge(self, f: np.ndarray) -> float:
         """|f| at the outermost node."""
         return float(abs(f[-1]))
@@ -152,6 +186,21 @@ class RadialGrid:
     def laplacian(self, f: np.ndarray) -> np.ndarray:
         """Δv f: the multiplier −k_m² on the coefficients, at the nodes."""
         return self._laplacian @ f
+
+    def laplacian_functions(
+        self, x: float, terms: Sequence[tuple[Callable[[np.ndarray], np.ndarray], np.ndarray]]
+    ) -> np.ndarray:
+        """Σ φ(xΔ) f over the ``terms`` (φ, f)."""
+        eigenvalues = -(self.wavenumbers**2)
+        return self._synthesis @ sum(phi(x * eigenvalues) * (self.analysis @ f) for phi, f in terms)
+
+    def gradient(self, f: np.ndarray) -> list[np.ndarray]:
+        """No direction in which an isotropic density can move."""
+        return []
+
+    def dilation(self, f: np.ndarray) -> np.ndarray:
+        """∇v·(v f) = d f + r f'(r) (docs/method.md §5)."""
+        return self._dilation @ f
 
     def evaluate(self, f: np.ndarray, speeds: np.ndarray) -> np.ndarray:
         """The density at any speeds: its Fourier–Bessel series, 0 from L on."""

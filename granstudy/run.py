@@ -11,7 +11,7 @@ from granstudy.choice import choose
 from granstudy.collision import carleman_scenes
 from granstudy.collision.rules import directions
 from granstudy.cost import Cost, estimate
-from granstudy.evolve import step_count
+from granstudy.time_settings import step_count
 from granstudy.isotropy import check_isotropic
 from granstudy.kernel import VHS, Viscoelastic, check_restitution, sphere_area
 from granstudy.scene import Scene, load_scene

@@ -1,12 +1,17 @@
 """Means over the unit circle and sphere."""
 
 import numpy as np
-from scipy.special import j0
+from scipy.special import j0, j1
 
 
 def sphere_mean(dim: int, x: np.ndarray) -> np.ndarray:
     """Mean of e^{iσ·x} over the unit sphere as a function of |x|: J0 in 2D, sin|x|/|x| in 3D."""
     return j0(x) if dim == 2 else np.sinc(x / np.pi)
+
+
+def sphere_mean_slope(dim: int, x: np.ndarray) -> np.ndarray:
+    """x M'(x) of M = `sphere_mean`: −x J1(x) in 2D, cos x − sin x/x in 3D."""
+    return -x * j1(x) if dim == 2 else np.cos(x) - np.sinc(x / np.pi)
 
 
 PAPER_SHIFT = 1e-8

@@ -1,5 +1,6 @@
 """What moments, health checks, time integration and datasets need of a grid, whatever its kind."""
 
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -35,6 +36,10 @@ class VelocitySpace(Protocol):
         Largest velocity component or speed.
     spacing : float
         π over the largest wavenumber: features narrower than this are not resolved.
+    measure : float or ndarray
+        Weights of the nodes in the integral over velocity.
+    largest_laplacian, largest_dilation : float
+        Largest |eigenvalue| of `laplacian` and of `dilation`.
     """
 
     @property
@@ -47,6 +52,12 @@ class VelocitySpace(Protocol):
     def L(self) -> float: ...  # noqa: D102
     @property
     def spacing(self) -> float: ...  # noqa: D102
+    @property
+    def measure(self) -> float | np.ndarray: ...  # noqa: D102
+    @property
+    def largest_laplacian(self) -> float: ...  # noqa: D102
+    @property
+    def largest_dilation(self) -> float: ...  # noqa: D102
 
     def velocities(self) -> tuple[np.ndarray, ...]:
         """Velocity components of the nodes, ``dim`` arrays that broadcast to `shape`."""
@@ -57,8 +68,22 @@ class VelocitySpace(Protocol):
     def velocity_moments(self, f: np.ndarray) -> VelocityMoments:
         """Moments of a density by the grid's quadrature."""
 
+    def invariants(self) -> dict[str, np.ndarray]:
+        """What elastic collisions conserve, at the nodes: ``mass``, ``momentum``, ``energy``."""
+
     def edge(self, f: np.ndarray) -> float:
         """Largest |f| at the border of the grid: what lies there wraps around."""
 
     def laplacian(self, f: np.ndarray) -> np.ndarray:
         """Δv f, exact for what the grid represents."""
+
+    def laplacian_functions(
+        self, x: float, terms: Sequence[tuple[Callable[[np.ndarray], np.ndarray], np.ndarray]]
+    ) -> np.ndarray:
+        """Σ φ(xΔ) f over the ``terms`` (φ, f), φ a function of the Laplacian's eigenvalues times x."""
+
+    def gradient(self, f: np.ndarray) -> list[np.ndarray]:
+        """The components of ∇v f that do not vanish for every density here."""
+
+    def dilation(self, f: np.ndarray) -> np.ndarray:
+        """∇v·(v f), exact for what the grid represents but for what leaves it at the border."""

@@ -70,7 +70,7 @@ def test_comments_and_docstrings_change_nothing(package):
     ("file", "old", "new", "kinds", "methods"),
     [
         ("moments.py", "2.0 * m.energy", "3.0 * m.energy", ["evolution"], METHODS),
-        ("evolve.py", "dt / 6", "dt / 7", ["evolution"], METHODS),
+        ("schemes.py", "dt / 6", "dt / 7", ["evolution"], METHODS),
         (
             "grid.py",
             "np.sqrt(2.0)",
