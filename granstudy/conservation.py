@@ -6,37 +6,51 @@ import numpy as np
 
 from granstudy.kernel import Restitution
 from granstudy.representation import Representation
+from granstudy.velocity_space import VelocitySpace
 
 INVARIANTS = ("mass", "momentum", "energy")
 
 
-def projection(
-    form: Representation, conserve: Sequence[str]
-) -> Callable[[np.ndarray], np.ndarray]:
-    """Q ↦ Q*, the least change that makes ∫φ_i Q* dv vanish for the collision invariants φ_i asked for.
+Projection = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""(state, Q of that state) ↦ Q*."""
 
-    Of all such Q* the one with the least ∫(Q* − Q)² dv is, with Lagrange multipliers λ_j,
 
-        Q* = Q − Σ_j λ_j φ_j,   Σ_j (∫φ_i φ_j dv) λ_j = ∫φ_i Q dv,
+def projection(form: Representation, conserve: Sequence[str]) -> Projection:
+    """The least change of Q that makes ∫φ_i Q* dv vanish for the collision invariants φ_i asked for.
 
-    integrals by the grid's own weights (I. Gamba, S. Tharkabhushanam, J. Comput. Phys. 228, 2012 (2009)).
-    On a radial grid momentum is 0 by construction and asks for nothing.
+    After I. Gamba & S. Tharkabhushanam, J. Comput. Phys. 228, 2012 (2009), but with the change measured over the
+    Maxwellian M of the gas's own ρ, u, T. Of all Q* the one with the least ∫(Q* − Q)²/M dv is, with Lagrange
+    multipliers λ_j and integrals by the grid's own weights,
+
+        Q* = Q − M Σ_j λ_j φ_j,   Σ_j (∫φ_i M φ_j dv) λ_j = ∫φ_i Q dv.
+
+    Without M the change would fill the whole box and spoil the higher moments (docs/method.md §5). On a radial
+    grid momentum is 0 by construction and asks for nothing.
     """
     if not conserve:
-        return lambda Q: Q
-    invariants = form.grid.invariants()
+        return lambda state, Q: Q
+    grid = form.grid
+    invariants = grid.invariants()
     phi = np.concatenate([invariants[name] for name in conserve])
     rows = phi.reshape(len(phi), -1)
-    weighted = (phi * form.grid.measure).reshape(len(phi), -1)
-    multipliers = np.linalg.solve(weighted @ rows.T, weighted)
-    states = [form.state(row) for row in phi]
+    weighted = (phi * grid.measure).reshape(len(phi), -1)
 
-    def least_change(Q: np.ndarray) -> np.ndarray:
-        for multiplier, invariant in zip(multipliers @ form.density(Q).ravel(), states, strict=True):
-            Q = Q - multiplier * invariant
-        return Q
+    def least_change(state: np.ndarray, Q: np.ndarray) -> np.ndarray:
+        M = _maxwellian(grid, form.density(state))
+        changes = rows * M.ravel()
+        multipliers = np.linalg.solve(changes @ weighted.T, weighted @ form.density(Q).ravel())
+        return Q - form.state((multipliers @ changes).reshape(grid.shape))
 
     return least_change
+
+
+def _maxwellian(grid: VelocitySpace, f: np.ndarray) -> np.ndarray:
+    """e^{−|v−u|²/2T} with the u and T of a density."""
+    m = grid.velocity_moments(f)
+    u = m.momentum / m.density
+    T = np.trace(m.pressure) / (grid.dim * m.density)
+    c2 = sum((vi - ui) ** 2 for vi, ui in zip(grid.velocities(), u, strict=True))
+    return np.exp(-np.asarray(c2) / (2 * T))
 
 
 def check_conserve(conserve: Sequence[str], restitution: Restitution) -> None:

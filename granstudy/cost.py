@@ -9,12 +9,17 @@ import math
 from dataclasses import dataclass
 from functools import cache
 
+import numpy as np
+
 from granstudy.collision.carleman_scenes import product_count
 from granstudy.collision.rules import directions, reduce_directions
 from granstudy.quadrature import circle_rule, sphere_rule
 from granstudy.scene import Scene
+from granstudy.schemes import SCHEMES
 from granstudy.solver import Solver
 from granstudy.symmetry import Symmetry
+from granstudy.theory import haff_constant
+from granstudy.time_settings import TimeSettings
 
 SECONDS_PER_POINT = {"literal": 8.5e-10, "fast": 2.0e-10, "carleman": 2.4e-10}
 """Of one transform of n points with the loops around it, per n·log2 n, on one core of a 2021 server."""
@@ -48,6 +53,9 @@ SECONDS_PER_CALL = {
     "literal": 1.0e-4, "direct": 1.0e-4, "fast": 1.0e-4, "radial": 1.0e-5, "carleman": 1.0e-4
 }  # fmt: skip
 """Of one evaluation whatever its size: checks, and handing the shares to threads."""
+
+STEPS_PER_COLLISION = 5.0
+"""Steps of an adaptive run in a unit of collision time: 2 near e = 1, 10 where velocities shrink fast."""
 
 SECONDS_PER_STEP = 2.5e-4
 """Of a step's moments and checks whatever the grid."""
@@ -119,6 +127,28 @@ def estimate(scene: Scene, solver: Solver, evaluations: int) -> Cost:
     each = evaluation_seconds(scene, solver, transforms)
     setup = setup_seconds(scene, solver, each)
     return Cost(setup, each, evaluations, memory_mb(scene, solver, transforms))
+
+
+def expected_steps(scene: Scene, settings: TimeSettings) -> int:
+    """Steps that a run makes: exactly where dt sets them, else about as many, within a factor 3."""
+    if settings.time_rtol is None:
+        return settings.steps
+    law = scene.restitution
+    e = float(law(np.ones(1))[0]) if callable(law) else float(law)
+    collisions = settings.t_final
+    if scene.kernel.exponent > 0.0 and scene.diffusion == 0.0 and e < 1.0:
+        # τ of a gas that cools by Haff's law from T = 1
+        C0 = haff_constant(scene.kernel, e, scene.dim)
+        collisions = np.log1p(C0 * settings.t_final) / C0
+    return len(settings.outputs) + math.ceil(STEPS_PER_COLLISION * collisions)
+
+
+def expected_evaluations(scene: Scene, settings: TimeSettings) -> int:
+    """Evaluations of Q in those steps."""
+    each = SCHEMES[settings.scheme].evaluations
+    if settings.time_rtol is None:
+        return each * settings.steps
+    return each * expected_steps(scene, settings)
 
 
 def transform_count(scene: Scene, solver: Solver) -> int:

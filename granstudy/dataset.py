@@ -92,8 +92,8 @@ def evolution_dataset(
 ) -> xr.Dataset:
     """Dataset of a simulation: moments over ``time``, densities over ``snapshot``, status.
 
-    ``times`` are those of ``history``. A rescaled run has the frame's θ, u and τ over ``time``, too, and keeps g
-    over the scaled velocities in place of f.
+    ``times`` are those of ``history``. A rescaled run has the frame's θ, u and τ over ``time``, too, and
+    keeps g over the scaled velocities in place of f.
 
     Where an exact temperature law is known (Maxwell molecules, constant e) it holds two references and
     two errors: `temperature_error`, of the temperature divided by the density, against the law with that
@@ -144,7 +144,9 @@ def _densities(
     grid: VelocitySpace, snapshots: dict[float, np.ndarray], rescaled: bool
 ) -> xr.Dataset:
     """The densities f kept, or g over c in place of v."""
-    name, long_name = ("g", "density g = θ^d f over c = (v−u)/θ") if rescaled else ("f", "velocity density f")
+    name, long_name = (
+        ("g", "density g = θ^d f over c = (v−u)/θ") if rescaled else ("f", "velocity density f")
+    )
     values = np.array(list(snapshots.values()))
     attributes = {"long_name": long_name, "units": "1"}
     times = ("snapshot", list(snapshots), {"long_name": "time t", "units": "1"})

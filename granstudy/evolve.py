@@ -21,10 +21,12 @@ from granstudy.scaled_restitution import scaled_collisions
 from granstudy.scene import Scene
 from granstudy.schemes import SCHEMES
 from granstudy.solver import Solver
-from granstudy.stability import step_warning
+from granstudy.stability import largest_frequency, step_warning
 from granstudy.stepping import AdaptiveSteps, FixedSteps, StoppedError
 from granstudy.time_settings import TimeSettings
 from granstudy.tuning import Tuning
+
+Moments = dict[str, Any]
 
 
 def simulate(
@@ -76,8 +78,8 @@ def simulate(
         warnings (see `granstudy.dataset.evolution_dataset`). A run that cannot go on ends early
         with its status and what it had computed. Where the solver left something open, its coordinates
         and the attribute ``solver`` say what was chosen, ``choice`` why, and ``asked_solver`` what was asked.
-        The attribute ``steps`` counts the steps and evaluations of Q that an adaptive run made. A rescaled run
-        holds where its frame is, and its densities as `g`; see `granstudy.physical_density`.
+        The attribute ``steps`` counts the steps and evaluations of Q that an adaptive run made. A rescaled
+        run says where its frame is, and holds its densities as `g`; see `granstudy.physical_density`.
 
     Raises
     ------
@@ -96,7 +98,7 @@ def simulate(
     tuning = Tuning(run.operator)
     found: dict[str, str] = {}
     times_reached: list[float] = []
-    history: list[dict[str, Any]] = []
+    history: list[Moments] = []
     snapshots: dict[float, np.ndarray] = {}
     status, reason = Status.OK, ""
     hidden = None if progress is None else not progress
@@ -125,7 +127,7 @@ def simulate(
                     history.append(equation.record(values, state))
                     density0 = history[0]["density"]
                     texts |= health.warnings(f, values, density0, grid)
-                    texts |= _step_warnings(run, settings, state, history)
+                    texts |= _step_warnings(scene, settings, run, state, history)
                     bar.update()
                 for name, text in texts.items():
                     found.setdefault(name, f"from t = {time:g}: {text}")
@@ -171,11 +173,11 @@ def _prepare(scene: Scene, solver: Solver, settings: TimeSettings) -> _Prepared:
     Q = collisions(operator)
     equation: FixedFrame | RescaledFrame
     if settings.frame == "fixed":
-        equation = FixedFrame(form, lambda f: project(Q(f)), scene.diffusion)
+        equation = FixedFrame(form, lambda f: project(f, Q(f)), scene.diffusion)
     else:
         Q_at = scaled_collisions(scene, solver, Q)
         equation = RescaledFrame(
-            form, lambda g, scale: project(Q_at(g, scale)), scene.diffusion,
+            form, lambda g, scale: project(g, Q_at(g, scale)), scene.diffusion,
             scene.kernel.exponent, velocity,
         )  # fmt: skip
     made = SCHEMES[settings.scheme]
@@ -203,15 +205,19 @@ def centred(scene: Scene, solver: Solver) -> tuple[Scene, np.ndarray]:
 
 
 def _step_warnings(
-    run: _Prepared, settings: TimeSettings, state: np.ndarray, history: list[dict[str, Any]]
+    scene: Scene, settings: TimeSettings, run: _Prepared, state: np.ndarray, history: list[Moments]
 ) -> dict[str, str]:
-    """Whether the step is above what the scheme is stable with."""
+    """Whether a step of fixed size is above what the scheme is stable with."""
     if settings.dt is None:
         return {}
-    shrinking = 0.0
-    if settings.frame == "rescaled" and len(history) > 1:
-        before, now = (values["velocity_scale"] for values in history[-2:])
-        shrinking = np.log(now / before) / settings.dt
-    diffusion = run.equation.diffusivity(state)
-    text = step_warning(settings.scheme, run.operator.grid, settings.dt, diffusion, shrinking)
-    return {} if text is None else {"step": text}
+    grid = run.operator.grid
+    scales = [float(values.get("velocity_scale", 1.0)) for values in history[-2:]]
+    frequency = largest_frequency(scene.kernel, scene.dim, grid.R, float(history[-1]["density"]))
+    return step_warning(
+        settings.dt,
+        settings.scheme,
+        grid,
+        diffusion=run.equation.diffusivity(state),
+        collision_frequency=scales[-1] ** scene.kernel.exponent * frequency,
+        dilation_rate=float(np.log(scales[-1] / scales[0])) / settings.dt,
+    )

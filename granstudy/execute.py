@@ -23,15 +23,8 @@ def execute(run: Run, threads: int) -> xr.Dataset:
     A run that ends early is a dataset too, with its status: nothing computed is lost.
     """
     solver = replace(run.solver, threads=threads)
-    if run.model.time is not None:
-        assert run.dt is not None
-        return simulate(
-            run.scene,
-            solver,
-            t_final=run.model.time.t_final,
-            dt=run.dt,
-            save_every=run.model.time.save_every,
-        )
+    if run.time is not None:
+        return simulate(run.scene, solver, **run.time_fields)
     choice = concrete(run.scene, solver)
     operator = collision_operator(run.scene, choice.solver)
     Q = operator(run.scene.density(operator.grid))

@@ -51,7 +51,7 @@ class FixedFrame:
         return self.form.laplacian_functions(x, terms)
 
     def density(self, state: np.ndarray) -> np.ndarray:
-        """f at the nodes."""
+        """F at the nodes."""
         return self.form.density(state)
 
     def record(self, values: dict[str, Any], state: np.ndarray) -> dict[str, Any]:

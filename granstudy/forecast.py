@@ -11,6 +11,8 @@ from granstudy.collision.operator import collision_operator
 from granstudy.collision.plan import QuadraturePlan
 from granstudy.cost import (
     evaluation_seconds,
+    expected_evaluations,
+    expected_steps,
     memory_mb,
     on_threads,
     reduced_count,
@@ -18,10 +20,10 @@ from granstudy.cost import (
     step_seconds,
     transform_count,
 )
-from granstudy.time_settings import step_count
 from granstudy.kernel import check_restitution
 from granstudy.scene import Scene
 from granstudy.solver import Solver
+from granstudy.time_settings import TimeSettings
 from granstudy.tuning import CHECK_EVERY
 
 
@@ -91,20 +93,30 @@ class Forecast:
 
 
 def plan(
-    scene: Scene, solver: Solver, t_final: float | None = None, dt: float | None = None
+    scene: Scene,
+    solver: Solver,
+    t_final: float | None = None,
+    dt: float | None = None,
+    time_rtol: float | None = None,
+    scheme: str | None = None,
 ) -> Forecast:
     """Say what a run will be like: of `simulate` where its times are given, else of one evaluation.
 
-    A tolerance is planned for as the run would, which takes about a second.
+    A tolerance is planned for as the run would, which takes about a second. How many steps `time_rtol` takes
+    is estimated within a factor 3.
 
     Raises
     ------
     ValueError
         For a bad scene, solver or time, or a tolerance out of reach.
     """
-    if (t_final is None) != (dt is None):
+    if (t_final is None) != (dt is None and time_rtol is None):
         raise ValueError(f"t_final={t_final!r}, dt={dt!r}: give both, or neither")
-    steps = 0 if t_final is None or dt is None else step_count(t_final, dt)
+    steps, evaluations = 0, 1
+    if t_final is not None:
+        settings = TimeSettings(t_final, dt, time_rtol, scheme=scheme)  # type: ignore[arg-type]
+        steps = expected_steps(scene, settings)
+        evaluations = expected_evaluations(scene, settings)
     choice = choose(scene, solver)
     solver = choice.solver
     check_restitution(scene.restitution, largest_speed=solver.R)
@@ -114,7 +126,6 @@ def plan(
     each = on_threads(one_thread, solver.method, threads)
     # A tolerance is checked now and then by a finer quadrature, at about a step's time.
     checks = 3 * steps / CHECK_EVERY if solver.rtol is not None and quadrature else 0.0
-    evaluations = 3 * steps if steps else 1
     seconds = on_threads(setup_seconds(scene, solver, one_thread), solver.method, threads)
     seconds += (evaluations + checks) * each + steps * step_seconds(scene, solver)
     return Forecast(

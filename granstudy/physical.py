@@ -9,23 +9,21 @@ import xarray as xr
 def physical_moments(values: dict[str, Any], scale: float, velocity: np.ndarray) -> dict[str, Any]:
     """Moments of f(v) = θ^{−d} g((v − u)/θ) from those of g.
 
-    ρ and the kurtosis stay; velocities go with θ about u, T and P with θ², values of the density with
-    θ^{−d}; E = ½ρ(|u_f|² + dT).
+    ρ and the kurtosis stay; T and P go with θ², values of the density with θ^{−d}; E = ½ρ(|u_f|² + dT).
 
     Parameters
     ----------
     values : dict
         `granstudy.moments.moment_values` of g.
     scale, velocity : float and ndarray of shape (d,)
-        θ and u.
+        θ, and the bulk velocity u_f of f.
     """
     d = len(velocity)
-    bulk = velocity + scale * values["velocity"]
     temperature = scale**2 * values["temperature"]
-    energy = 0.5 * values["density"] * (np.sum(bulk**2) + d * temperature)
+    energy = 0.5 * values["density"] * (np.sum(velocity**2) + d * temperature)
     return {
         "density": values["density"],
-        "velocity": bulk,
+        "velocity": velocity,
         "energy": energy,
         "temperature": temperature,
         "paper_temperature": 2.0 * energy / d,

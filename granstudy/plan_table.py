@@ -34,8 +34,10 @@ def study_forecasts(study: Study) -> list[Row]:
 def forecast(run: Run) -> Forecast:
     """The forecast of one run."""
     solver = replace(run.solver, threads=run.model.threads)
-    time = run.model.time
-    return plan(run.scene, solver, None if time is None else time.t_final, run.dt)
+    time = run.time
+    if time is None:
+        return plan(run.scene, solver)
+    return plan(run.scene, solver, time.t_final, time.dt, time.time_rtol, time.scheme)
 
 
 def write_plan(study: Study, md: str | Path, csv: str | Path) -> None:

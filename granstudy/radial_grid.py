@@ -122,7 +122,7 @@ class RadialGrid:
 
     @cached_property
     def _dilation(self) -> np.ndarray:
-        """d + r d/dr, with x M'(x) at x = k_m r_j for r dM/dr."""
+        """D + r d/dr, with x M'(x) at x = k_m r_j for r dM/dr."""
         slopes = sphere_mean_slope(self.dim, np.multiply.outer(self.nodes, self.wavenumbers))
         return self.dim * np.eye(self.N) + slopes @ self.analysis
 

@@ -15,14 +15,14 @@ ScaledCollisions = Callable[[np.ndarray, float], np.ndarray]
 
 
 class Place(NamedTuple):
-    """Where the frame is: v = u + θc."""
+    """What a state holds beside g."""
 
     log_scale: float
     """log θ"""
     collision_time: float
     """τ = ∫θ^λ dt"""
     velocity: np.ndarray
-    """u"""
+    """Bulk velocity u_f of f; the frame's is u = u_f − θu_g"""
 
 
 class RescaledFrame:
@@ -30,12 +30,12 @@ class RescaledFrame:
 
         ∂t g = θ^λ Q(g,g) + εθ^{−2} Δg + (θ'/θ) ∇c·(c g) + (u'/θ)·∇g
 
-    θ'/θ and u'/θ are whatever keeps the *discrete* moments: with M_0, M_i, M_E those of 1, c_i, ½|c|²,
-    M_i/M_0 and M_E/M_0 do not change, which is a linear system of d + 1 equations. Where mass and
-    momentum are conserved u' = 0 and θ'/θ is that of docs/method.md §5. A drift of the momentum moves
-    the frame: fixed, it would be thrown out of the grid as the velocities shrink.
+    θ and u go by the temperature and the momentum of the first two terms, `balance`. What multiplies the motions
+    ∇c·(c g) and ∇g is θ'/θ and u'/θ but for what g has at the grid's border: it is taken such that the discrete
+    T_g and u_g stay as they are, `keeping`. Where mass and momentum are conserved u' = 0; a drift
+    moves the frame, as it would throw the gas out of a fixed one while velocities shrink.
 
-    A state is one array: g (or ĝ), then log θ, τ, and u (none on a radial grid).
+    A state is one array: g (or ĝ), then log θ, τ, and f's bulk velocity u_f = u + θu_g (none on a radial grid).
 
     Parameters
     ----------
@@ -68,13 +68,16 @@ class RescaledFrame:
         invariants = form.grid.invariants()
         self._shape = form.grid.shape
         self._nodes = int(np.prod(self._shape))
+        self._dim = form.grid.dim
         self._moving = len(invariants["momentum"]) > 0
         phi = np.concatenate(list(invariants.values())) * form.grid.measure
         self._moments = phi.reshape(len(phi), -1)
 
     def start(self, f: np.ndarray) -> np.ndarray:
         """The state of g = f at θ = 1."""
-        return self._join(self.form.state(f), 0.0, 0.0, self._velocity)
+        m = self.form.grid.velocity_moments(f)
+        bulk = self._velocity + m.momentum / m.density
+        return self._join(self.form.state(f), 0.0, 0.0, bulk)
 
     def rate(self, state: np.ndarray, taken_off: float = 0.0) -> np.ndarray:
         """The rate of change, less ``taken_off`` Δg."""
@@ -84,23 +87,19 @@ class RescaledFrame:
         heating = self._epsilon * theta**-2
         laplacian = self._laplacian(g) if self._epsilon else np.zeros_like(g)
         motions = self._motions(g)
-        speeds = self._keeping(g, rate + heating * laplacian, motions)
+        M = self._moments_of(g, rate + heating * laplacian, *motions)
+        shrinking, drift = balance(M[:, 0], M[:, 1], self._dim)
+        speeds = keeping(M[:, 0], M[:, 1], M[:, 2:])
         rate = rate + (heating - taken_off) * laplacian
         for speed, motion in zip(speeds, motions, strict=True):
             rate = rate + speed * motion
-        return self._join(rate, speeds[0], theta**self._exponent, theta * speeds[1:])
+        return self._join(rate, shrinking, theta**self._exponent, theta * drift)
 
     def _motions(self, g: np.ndarray) -> list[np.ndarray]:
         """∇c·(c g) and ∇g; mass that they move out of the grid comes back in the shape of g."""
         motions = [self.form.dilation(g), *self.form.gradient(g)]
         mass, *lost = self._moments_of(g, *motions)[0]
         return [motion - m / mass * g for motion, m in zip(motions, lost, strict=True)]
-
-    def _keeping(self, g: np.ndarray, rate: np.ndarray, motions: list[np.ndarray]) -> np.ndarray:
-        """θ'/θ and u'/θ: M_i/M_0 and M_E/M_0 stay as they are."""
-        M = self._moments_of(g, rate, *motions)
-        change = M[1:, 1:] - np.outer(M[1:, 0] / M[0, 0], M[0, 1:])
-        return np.linalg.solve(change[:, 1:], -change[:, 0])
 
     def _moments_of(self, *states: np.ndarray) -> np.ndarray:
         """M_0, M_i and M_E (rows) of some states of g."""
@@ -111,7 +110,7 @@ class RescaledFrame:
         return float(self._epsilon * np.exp(-2 * self.place(state).log_scale))
 
     def laplacian_functions(self, x: float, terms: Sequence[Term]) -> np.ndarray:
-        """Σ φ(xΔ) state over the terms; θ, τ and u do not diffuse."""
+        """Σ φ(xΔ) state over the terms; θ, τ and u_f do not diffuse."""
         nodes = self._nodes
         inner = [(phi, state[:nodes].reshape(self._shape)) for phi, state in terms]
         g = self.form.laplacian_functions(x, inner)
@@ -128,19 +127,19 @@ class RescaledFrame:
         theta = float(np.exp(place.log_scale))
         return physical_moments(values, theta, place.velocity) | {
             "velocity_scale": theta,
-            "frame_velocity": place.velocity,
+            "frame_velocity": place.velocity - theta * values["velocity"],
             "collision_time": place.collision_time,
         }
 
     def relative_size(self, change: np.ndarray, state: np.ndarray) -> float:
-        """Largest of the changes of g over its largest value, of log θ, and of u over θ."""
+        """Largest of the changes of g over its largest value, of log θ, and of u_f over θ."""
         g, _ = self._split(change)
         largest = np.max(np.abs(g)) / np.max(np.abs(self._split(state)[0]))
         moved = np.abs(change[self._nodes + 2 :]) * np.exp(-self.place(state).log_scale)
         return float(max(largest, np.abs(change[self._nodes]), *moved))
 
     def place(self, state: np.ndarray) -> Place:
-        """Where the frame is in a state."""
+        """What a state holds beside g."""
         return self._split(state)[1]
 
     def _split(self, state: np.ndarray) -> tuple[np.ndarray, Place]:
@@ -154,6 +153,25 @@ class RescaledFrame:
     ) -> np.ndarray:
         rest = [log_scale, collision_time, *(velocity if self._moving else ())]
         return np.concatenate([g.ravel(), rest])
+
+
+def balance(M: np.ndarray, change: np.ndarray, dim: int) -> tuple[float, np.ndarray]:
+    """T'/(2T) and u_g' of a density with the moments M = (M_0, M_i, M_E) that change at the rates given.
+
+    With e = M_E/M_0 and dT = 2e − |u_g|²: the θ'/θ of docs/method.md §5 at any density.
+    """
+    u, e = M[1:-1] / M[0], M[-1] / M[0]
+    u_rate = (change[1:-1] - u * change[0]) / M[0]
+    e_rate = (change[-1] - e * change[0]) / M[0]
+    temperature = (2 * e - u @ u) / dim
+    return float((e_rate - u @ u_rate) / (dim * temperature)), u_rate
+
+
+def keeping(M: np.ndarray, change: np.ndarray, motions: np.ndarray) -> np.ndarray:
+    """Speeds s for which M_i/M_0 and M_E/M_0 do not change where M does at ``change`` + ``motions`` s."""
+    rates = np.column_stack([change, motions])
+    A = rates[1:] - np.outer(M[1:] / M[0], rates[0])
+    return np.linalg.solve(A[:, 1:], -A[:, 0])
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,21 @@ from urllib.parse import quote
 from granstudy.choice import choose
 from granstudy.collision import carleman_scenes
 from granstudy.collision.rules import directions
-from granstudy.cost import Cost, estimate
-from granstudy.time_settings import step_count
+from granstudy.cost import Cost, estimate, expected_evaluations
+from granstudy.evolve import check_frame
 from granstudy.isotropy import check_isotropic
 from granstudy.kernel import VHS, Viscoelastic, check_restitution, sphere_area
 from granstudy.scene import Scene, load_scene
 from granstudy.solver import TAKES_RTOL, Choice, Solver
-from granstudy.study_file import Experiment, SolverModel, TimingModel, ViscoelasticModel
+from granstudy.study_file import (
+    Experiment,
+    SolverModel,
+    TimeModel,
+    TimesModel,
+    TimingModel,
+    ViscoelasticModel,
+)
+from granstudy.time_settings import TimeSettings
 
 SHARED_WITH_REFERENCE = ("e", "exponent", "epsilon", "N", "R", "N_rho")
 """What a collision run's reference takes over from the run: all but the rule on the sphere."""
@@ -24,6 +32,9 @@ SHARED_WITH_REFERENCE = ("e", "exponent", "epsilon", "N", "R", "N_rho")
 
 STAND_IN = {2: (64, 8.0), 3: (32, 8.0)}
 """N and R of estimates where a tolerance chooses them when the run starts."""
+
+NO_TIMES = {"dt": None, "save_every": None}
+"""Fields of a run's times that its parameters name even where they are left out."""
 
 
 @dataclass(frozen=True)
@@ -120,22 +131,29 @@ class Run:
         return Solver(**settings)
 
     @property
-    def dt(self) -> float | None:
-        """The time step, None where nothing evolves."""
-        if self.model.time is None:
-            return None
-        dt = self._value("dt", self.model.time.dt)
-        if dt is None:
-            raise ValueError("dt: set time.dt or sweep dt")
-        return float(dt)
+    def time_fields(self) -> dict[str, Any]:
+        """How the run goes through time, as `granstudy.simulate` takes it; what is left out stays out."""
+        model = self.model.time
+        assert model is not None
+        fields = model.model_dump(exclude_none=True)
+        fields |= {key: value for key, value in self.values if key in TimeModel.model_fields}
+        if "dt" not in fields and "time_rtol" not in fields:
+            raise ValueError("dt: set time.dt or sweep dt, or set or sweep time_rtol")
+        if isinstance(model.times, TimesModel):
+            fields["times"] = model.times.outputs(model.t_final)
+        if "conserve" in fields:
+            fields["conserve"] = _conserved(fields["conserve"])
+        return fields
+
+    @cached_property
+    def time(self) -> TimeSettings | None:
+        """The same, checked; None where nothing evolves."""
+        return None if self.model.time is None else TimeSettings(**self.time_fields)
 
     @property
     def evaluations(self) -> int:
-        """Evaluations of Q that the run makes: three a step of the Runge–Kutta scheme."""
-        if self.model.time is None:
-            return 1
-        assert self.dt is not None
-        return 3 * step_count(self.model.time.t_final, self.dt)
+        """Evaluations of Q that the run makes, about as many where the steps adapt."""
+        return 1 if self.time is None else expected_evaluations(self.scene, self.time)
 
     @cached_property
     def choice(self) -> Choice:
@@ -176,20 +194,25 @@ class Run:
                     f"method {solver.method!r}: has other velocity nodes than its reference's "
                     f"method {other!r}; a collision run and its reference must share them"
                 )
-        _ = self.evaluations  # t_final must be a whole number of steps
+        if self.time is not None:
+            check_frame(self.scene, solver, self.time)
 
     def parameters(self) -> str:
         """All that the run depends on, as canonical JSON."""
-        time = self.model.time
         return json.dumps(
             {
                 "run": self.model.run,
                 "scene": self.scene.describe(),
                 "solver": self.solver.describe(),
-                "time": None if time is None else {**time.model_dump(), "dt": self.dt},
+                "time": None if self.model.time is None else {**NO_TIMES, **self.time_fields},
             },
             sort_keys=True,
         )
+
+
+def _conserved(names: str) -> tuple[str, ...]:
+    """What a study file's ``mass-momentum`` names; nothing for ``none``."""
+    return () if names == "none" else tuple(names.split("-"))
 
 
 def canonical(value: Any) -> str:

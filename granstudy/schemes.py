@@ -49,8 +49,8 @@ class Scheme:
         Order q of the lower scheme; the error goes like h^{q+1}.
     real_limit, imaginary_limit : float
         Largest h|z| for which y' = z y stays bounded, for z < 0 and for imaginary z.
-    diffusion_limit : float
-        The same for the diffusion.
+    exact_diffusion : bool
+        Whether the diffusion, exact, has no such limit.
     """
 
     first: Callable[[Equation, np.ndarray], np.ndarray]
@@ -59,7 +59,7 @@ class Scheme:
     error_order: int
     real_limit: float
     imaginary_limit: float
-    diffusion_limit: float
+    exact_diffusion: bool
 
 
 def rk3_step(
@@ -79,7 +79,7 @@ DOPRI_STAGES = (
     (9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656),
     (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84),
 )
-"""Stages of the pair of J. Dormand & P. Prince, J. Comput. Appl. Math. 6, 19 (1980); the last is the solution."""
+"""Stages of J. Dormand & P. Prince, J. Comput. Appl. Math. 6, 19 (1980); the last is the solution."""
 
 DOPRI_ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40)
 """Its solutions of fifth and of fourth order, their difference."""
@@ -93,7 +93,7 @@ def dopri54_step(
     for weights in DOPRI_STAGES:
         new = y + h * sum(w * k for w, k in zip(weights, rates, strict=True) if w)
         rates.append(rhs(new))
-    error = h * sum(w * k for w, k in zip(DOPRI_ERROR, rates, strict=True) if w)
+    error = np.asarray(h * sum(w * k for w, k in zip(DOPRI_ERROR, rates, strict=True) if w))
     return Step(new, error, rates[-1])
 
 
@@ -150,7 +150,7 @@ SCHEMES = {
         error_order=2,
         real_limit=2.5127,
         imaginary_limit=1.7320,
-        diffusion_limit=2.5127,
+        exact_diffusion=False,
     ),
     "dopri54": Scheme(
         first=lambda equation, y: equation.rate(y),
@@ -159,7 +159,7 @@ SCHEMES = {
         error_order=4,
         real_limit=3.3065,
         imaginary_limit=0.9971,
-        diffusion_limit=3.3065,
+        exact_diffusion=False,
     ),
     "exponential": Scheme(
         first=lambda equation, y: equation.rate(y, equation.diffusivity(y)),
@@ -168,7 +168,7 @@ SCHEMES = {
         error_order=2,
         real_limit=2.5127,
         imaginary_limit=1.7320,
-        diffusion_limit=np.inf,
+        exact_diffusion=True,
     ),
 }
 """The schemes by name: the paper's, a pair of higher order, and the paper's with the diffusion exact."""

@@ -10,7 +10,7 @@ def sphere_mean(dim: int, x: np.ndarray) -> np.ndarray:
 
 
 def sphere_mean_slope(dim: int, x: np.ndarray) -> np.ndarray:
-    """x M'(x) of M = `sphere_mean`: −x J1(x) in 2D, cos x − sin x/x in 3D."""
+    """X M'(x) of M = `sphere_mean`: −x J1(x) in 2D, cos x − sin x/x in 3D."""
     return -x * j1(x) if dim == 2 else np.cos(x) - np.sinc(x / np.pi)
 
 

@@ -1,19 +1,26 @@
 """The largest steps that a scheme is stable with (docs/method.md §3)."""
 
 from granstudy.errors import unknown_name
+from granstudy.kernel import VHS, sphere_area
 from granstudy.schemes import SCHEMES
 from granstudy.velocity_space import VelocitySpace
 
 
 def stability_limit(
-    scheme: str, grid: VelocitySpace, diffusion: float, dilation_rate: float = 0.0
+    scheme: str,
+    grid: VelocitySpace,
+    *,
+    diffusion: float = 0.0,
+    collision_frequency: float = 0.0,
+    dilation_rate: float = 0.0,
 ) -> float:
-    """Largest step that diffusion, and the shrinking of rescaled velocities, leave stable.
+    """Largest step that is stable for certain.
 
-    Diffusion: ε|Δ|dt ≤ 2.51 (`rk3`), 3.31 (`dopri54`), no limit (`exponential`); |Δ| is the largest
-    eigenvalue, d(πN/2L)² on a Cartesian grid. Shrinking: |θ'/θ| times the largest eigenvalue of ∇c·(c ·) times
-    dt ≤ 1.73 (`rk3`, `exponential`), 1 (`dopri54`). Collisions, not counted here, allow dt up to about 2.5 (3.3)
-    over the collision frequency of the fastest particles.
+    Diffusion and collisions damp: the highest mode decays at ε|Δ| + ν, and dt times that must be at most 2.51
+    (`rk3`), 3.31 (`dopri54`); `exponential` has the limit 2.51 for ν alone. |Δ| is the Laplacian's largest
+    eigenvalue, d(πN/2L)² on a Cartesian grid. Velocities that shrink carry: |θ'/θ| dt times the largest
+    eigenvalue of ∇c·(c ·), at most 0.35 πNd on a Cartesian grid, must be at most 1.73 (`rk3`,
+    `exponential`), 1.00 (`dopri54`).
 
     Parameters
     ----------
@@ -22,6 +29,8 @@ def stability_limit(
     grid : VelocityGrid or RadialGrid
     diffusion : float
         ε; in a rescaled frame εθ^{−2}.
+    collision_frequency : float
+        ν, see `largest_frequency`; in a rescaled frame θ^λ ν.
     dilation_rate : float
         θ'/θ; 0 in a fixed frame.
 
@@ -33,22 +42,26 @@ def stability_limit(
     if scheme not in SCHEMES:
         raise unknown_name("scheme", scheme, list(SCHEMES))
     made = SCHEMES[scheme]
-    # One over the largest stable step, a part for each process.
-    slowest = diffusion * grid.largest_laplacian / made.diffusion_limit
-    if dilation_rate:
-        slowest = max(slowest, abs(dilation_rate) * grid.largest_dilation / made.imaginary_limit)
-    return 1.0 / slowest if slowest > 0.0 else float("inf")
+    damping = collision_frequency / made.real_limit
+    if not made.exact_diffusion:
+        damping += diffusion * grid.largest_laplacian / made.real_limit
+    carrying = abs(dilation_rate) * grid.largest_dilation / made.imaginary_limit
+    largest = max(damping, carrying)
+    return 1.0 / largest if largest > 0.0 else float("inf")
 
 
-def step_warning(
-    scheme: str, grid: VelocitySpace, dt: float, diffusion: float, dilation_rate: float = 0.0
-) -> str | None:
-    """What to say of a step above the limit, or None."""
-    limit = stability_limit(scheme, grid, diffusion, dilation_rate)
+def largest_frequency(kernel: VHS, dim: int, R: float, density: float = 1.0) -> float:
+    """ν = ρ|S|C_λ R^λ, the collision frequency of a particle that meets all others at the speed R."""
+    return float(density * sphere_area(dim) * kernel.strength * R**kernel.exponent)
+
+
+def step_warning(dt: float, scheme: str, grid: VelocitySpace, **rates: float) -> dict[str, str]:
+    """What to say of a step above the limit; ``rates`` as `stability_limit` takes them."""
+    limit = stability_limit(scheme, grid, **rates)
     if dt <= limit:
-        return None
-    shrinking = stability_limit(scheme, grid, 0.0, dilation_rate) < dt
-    remedy = "time_rtol" if shrinking or scheme == "exponential" else "scheme='exponential'"
-    return (
-        f"dt={dt:g} is above the limit {limit:.3g} of scheme {scheme!r}: take a smaller dt, or {remedy}"
-    )
+        return {}
+    remedy = "time_rtol in its place" if scheme == "exponential" else "scheme='exponential'"
+    return {
+        "step": f"dt={dt:g} is above {limit:.3g}, up to which scheme {scheme!r} is stable: "
+        f"take a smaller dt, or {remedy}"
+    }

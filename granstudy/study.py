@@ -87,5 +87,5 @@ def _expand(name: str, experiment: Experiment) -> list[Run]:
 def _as_list(key: str, value: Any) -> list[Any]:
     """The values of one sweep entry; whole numbers of real parameters become real."""
     values = value if isinstance(value, list) else [value]
-    real = key in ("e", "exponent", "epsilon", "R", "rtol", "dt")
+    real = key in ("e", "exponent", "epsilon", "R", "rtol", "time_rtol", "dt")
     return [float(v) if real and type(v) is int else v for v in values]

@@ -1,9 +1,11 @@
 """Study files: the typed model of their YAML, and one clear line for each thing wrong in one."""
 
 import json
+import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
@@ -24,6 +26,10 @@ SWEPT = (
     "method",
     "sphere_rule",
     "radial_rule",
+    "frame",
+    "scheme",
+    "conserve",
+    "time_rtol",
     "dt",
 )
 """What a study can sweep, in the order of a run's path."""
@@ -75,14 +81,45 @@ class SolverModel(_Model):
     circular: bool | None = None
 
 
+class TimesModel(_Model):
+    """Output times, spaced evenly in their logarithm."""
+
+    first: Annotated[float, Field(gt=0.0, description="time of the first")]
+    last: Annotated[float | None, Field(gt=0.0, description="of the last; default t_final")] = None
+    per_decade: Annotated[int, Field(ge=1, description="how many a decade")] = 10
+
+    def outputs(self, t_final: float) -> list[float]:
+        """The times themselves."""
+        last = t_final if self.last is None else self.last
+        count = 1 + round(self.per_decade * math.log10(last / self.first))
+        return np.geomspace(self.first, last, max(count, 1)).tolist()
+
+
 class TimeModel(_Model):
-    """How long, in which steps."""
+    """How long, in which steps and frame (`granstudy.simulate`)."""
 
     t_final: float
     dt: Annotated[float | None, Field(description="the step, where it is not swept")] = None
-    save_every: Annotated[int | None, Field(description="keep the density every so many steps")] = (
-        None
-    )
+    time_rtol: Annotated[
+        float | None, Field(description="in place of dt: tolerance of a step's error")
+    ] = None
+    times: Annotated[
+        list[float] | TimesModel | None, Field(description="outputs, with time_rtol")
+    ] = None
+    frame: Annotated[str | None, Field(description="fixed or rescaled; default fixed")] = None
+    scheme: Annotated[
+        str | None,
+        Field(description="rk3, dopri54 or exponential; default rk3 with dt, else dopri54"),
+    ] = None
+    conserve: Annotated[
+        str | None,
+        Field(
+            description="none, mass, mass-momentum, or at e = 1 mass-momentum-energy; default none"
+        ),
+    ] = None
+    save_every: Annotated[
+        int | None, Field(description="keep the density every so many outputs")
+    ] = None
 
 
 class TimingModel(_Model):
@@ -241,6 +278,7 @@ def _known_fields(location: tuple[Any, ...]) -> list[str]:
         "scene": SceneModel,
         "solver": SolverModel,
         "time": TimeModel,
+        "times": TimesModel,
         "timing": TimingModel,
         "table": TableModel,
         "fit": FitModel,

@@ -106,7 +106,7 @@ class TimeSettings:
     def coordinates(self) -> dict[str, Any]:
         """What a dataset says of it, by scalar coordinate."""
         step = {"dt": self.dt} if self.time_rtol is None else {"time_rtol": self.time_rtol}
-        conserve = ",".join(self.conserve) or "none"
+        conserve = "-".join(self.conserve) or "none"
         return {"frame": self.frame, "scheme": self.scheme, "conserve": conserve, **step}
 
 

@@ -32,6 +32,8 @@ class VelocitySpace(Protocol):
         Shape of a density.
     axes : tuple of str
         Name of each of its axes: ``vx, vy[, vz]``, or ``r``.
+    R : float
+        Truncation radius of the relative velocity.
     L : float
         Largest velocity component or speed.
     spacing : float
@@ -48,6 +50,8 @@ class VelocitySpace(Protocol):
     def shape(self) -> tuple[int, ...]: ...  # noqa: D102
     @property
     def axes(self) -> tuple[str, ...]: ...  # noqa: D102
+    @property
+    def R(self) -> float: ...  # noqa: D102
     @property
     def L(self) -> float: ...  # noqa: D102
     @property

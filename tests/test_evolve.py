@@ -6,8 +6,8 @@ from comparison import assert_order
 
 import granstudy as gs
 from granstudy import theory
-from granstudy.fixed_frame import FixedFrame
 from granstudy.fits import fit_haff, fit_order
+from granstudy.fixed_frame import FixedFrame
 from granstudy.representation import collisions, representation
 from granstudy.schemes import rk3_step
 
