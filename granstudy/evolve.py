@@ -167,7 +167,7 @@ def _prepare(scene: Scene, solver: Solver, settings: TimeSettings) -> _Prepared:
     if settings.frame == "rescaled" and solver.method != "radial":
         scene, velocity = centred(scene, solver)
     operator = collision_operator(scene, solver)
-    form = representation(operator)
+    form = representation(operator, scene.symmetry)
 
     project = projection(form, settings.conserve)
     Q = collisions(operator)

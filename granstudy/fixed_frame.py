@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from granstudy.representation import Representation, Term
+from granstudy.representation import Representation, Term, relative_change
 
 
 class FixedFrame:
@@ -59,5 +59,9 @@ class FixedFrame:
         return values
 
     def relative_size(self, change: np.ndarray, state: np.ndarray) -> float:
-        """Largest change over the largest value."""
-        return float(np.max(np.abs(change)) / np.max(np.abs(state)))
+        """Size of a change of the density, see `granstudy.representation.relative_change`."""
+        return relative_change(self.form, change, state)
+
+    def symmetrise(self, state: np.ndarray) -> np.ndarray:
+        """The state without what round-off did to its symmetry."""
+        return self.form.symmetrise(state)

@@ -9,6 +9,7 @@ import scipy.fft
 
 from granstudy.collision.operator import CollisionOperator, SpectrumOperator
 from granstudy.grid import VelocityGrid
+from granstudy.symmetry import Symmetry
 from granstudy.velocity_space import VelocitySpace
 
 Term = tuple[Callable[[np.ndarray], np.ndarray], np.ndarray]
@@ -39,12 +40,16 @@ class Representation(Protocol):
     def dilation(self, state: np.ndarray) -> np.ndarray:
         """∇v·(v state)."""
 
+    def symmetrise(self, state: np.ndarray) -> np.ndarray:
+        """The state without what round-off and instability did to the symmetry that the operator uses."""
+
 
 @dataclass(frozen=True)
 class Values:
-    """Real densities by their values at the nodes of any grid."""
+    """Real densities by their values at the nodes of any grid, with a symmetry on a Cartesian one."""
 
     grid: VelocitySpace
+    symmetry: Symmetry | None = None
 
     def state(self, f: np.ndarray) -> np.ndarray:
         """The density itself."""
@@ -69,6 +74,10 @@ class Values:
     def dilation(self, state: np.ndarray) -> np.ndarray:
         """∇v·(v state)."""
         return self.grid.dilation(state)
+
+    def symmetrise(self, state: np.ndarray) -> np.ndarray:
+        """The state's mean over the symmetry."""
+        return state if self.symmetry is None else self.symmetry.symmetrise(state)
 
 
 @dataclass(frozen=True)
@@ -103,18 +112,29 @@ class Spectrum:
         """∇v·(v state)."""
         return self.state(self.grid.dilation(self._values(state)))
 
+    def symmetrise(self, state: np.ndarray) -> np.ndarray:
+        """The state itself: `literal` uses no symmetry."""
+        return state
+
     def _values(self, state: np.ndarray) -> np.ndarray:
         """Complex f: its imaginary part is advanced too."""
         return scipy.fft.ifftn(state, norm="forward")
 
 
-def representation(operator: CollisionOperator) -> Representation:
-    """What runs with this operator advance."""
+def representation(operator: CollisionOperator, symmetry: Symmetry) -> Representation:
+    """What runs with this operator advance, of densities with this symmetry."""
     if isinstance(operator, SpectrumOperator):
         return Spectrum(operator.grid)
-    return Values(operator.grid)
+    return Values(operator.grid, symmetry if isinstance(operator.grid, VelocityGrid) else None)
 
 
 def collisions(operator: CollisionOperator) -> Callable[[np.ndarray], np.ndarray]:
     """Q as a function of such states."""
     return operator.spectrum if isinstance(operator, SpectrumOperator) else operator
+
+
+def relative_change(form: Representation, change: np.ndarray, state: np.ndarray) -> float:
+    """Largest change of the density over its largest value, or ∫|v|⁴|change| over ∫|v|⁴|f| if that is more."""
+    delta, f = np.abs(form.density(change)), np.abs(form.density(state))
+    v4 = sum(np.square(v) for v in form.grid.velocities()) ** 2 * form.grid.measure
+    return float(max(np.max(delta) / np.max(f), np.sum(v4 * delta) / np.sum(v4 * f)))

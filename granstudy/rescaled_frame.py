@@ -8,7 +8,7 @@ import numpy as np
 
 from granstudy.initial import InitialDensity
 from granstudy.physical import physical_moments
-from granstudy.representation import Representation, Term
+from granstudy.representation import Representation, Term, relative_change
 
 ScaledCollisions = Callable[[np.ndarray, float], np.ndarray]
 """(g, θ) ↦ Q(g,g) of particles whose restitution is e(θ|g·ω|)."""
@@ -132,11 +132,15 @@ class RescaledFrame:
         }
 
     def relative_size(self, change: np.ndarray, state: np.ndarray) -> float:
-        """Largest of the changes of g over its largest value, of log θ, and of u_f over θ."""
-        g, _ = self._split(change)
-        largest = np.max(np.abs(g)) / np.max(np.abs(self._split(state)[0]))
+        """Largest of the sizes of the changes of g (`relative_change`), of log θ, and of u_f over θ."""
+        size = relative_change(self.form, self._split(change)[0], self._split(state)[0])
         moved = np.abs(change[self._nodes + 2 :]) * np.exp(-self.place(state).log_scale)
-        return float(max(largest, np.abs(change[self._nodes]), *moved))
+        return float(max(size, np.abs(change[self._nodes]), *moved))
+
+    def symmetrise(self, state: np.ndarray) -> np.ndarray:
+        """The state without what round-off did to the symmetry of g."""
+        g = self.form.symmetrise(self._split(state)[0])
+        return np.concatenate([g.ravel(), state[self._nodes :]])
 
     def place(self, state: np.ndarray) -> Place:
         """What a state holds beside g."""

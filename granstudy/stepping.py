@@ -28,6 +28,9 @@ class MeasuredEquation(Equation, Protocol):
     def relative_size(self, change: np.ndarray, state: np.ndarray) -> float:
         """Size of a change of the state, 1 being as large as the state itself."""
 
+    def symmetrise(self, state: np.ndarray) -> np.ndarray:
+        """The state without what round-off did to its symmetry."""
+
 
 class Point(NamedTuple):
     """A state on the way."""
@@ -119,7 +122,9 @@ class AdaptiveSteps:
                     continue
                 h = max(following, h) if tried < h else following
                 hit = tried == rest
-                t, state = (float(target) if hit else t + tried), made.state
+                t = float(target) if hit else t + tried
+                # A step is as large as its error allows, so that what is not stable grows to the tolerance.
+                state = self._equation.symmetrise(made.state)
                 self.accepted += 1
                 self._first = made.last
                 yield Point(self.accepted, t, state, hit)

@@ -15,7 +15,7 @@ STARVED = {"N": 24, "R": 8.0, "N_rho": 8, "M_cir": 6}
 def drifting(method):
     """A density, and its Q from too few directions."""
     operator = collision_operator(SCENE, gs.Solver(**STARVED, method=method))
-    form = representation(operator)
+    form = representation(operator, SCENE.symmetry)
     f = form.state(SCENE.density(operator.grid))
     return form, f, collisions(operator)(f)
 
@@ -66,7 +66,8 @@ def test_it_leaves_the_tail_alone():
 
 def test_a_radial_grid_weighs_its_nodes_and_has_no_momentum():
     scene = gs.load_scene("bkw3d", restitution=1.0)
-    form = representation(collision_operator(scene, gs.Solver(N=24, R=7.0, method="radial")))
+    operator = collision_operator(scene, gs.Solver(N=24, R=7.0, method="radial"))
+    form = representation(operator, scene.symmetry)
     grid = form.grid
     f = scene.density(grid)
     Q = np.random.default_rng(2).normal(size=24) * np.exp(-grid.nodes)
