@@ -23,11 +23,15 @@ def drifting(method):
 def moments(form, Q, names=("mass", "momentum", "energy")):
     phi = form.grid.invariants()
     Q = form.density(Q)
-    return np.concatenate([(phi[name] * form.grid.measure * Q).sum(axis=(-2, -1)) for name in names])
+    return np.concatenate(
+        [(phi[name] * form.grid.measure * Q).sum(axis=(-2, -1)) for name in names]
+    )
 
 
 @pytest.mark.parametrize("method", ["fast", "literal"])
-@pytest.mark.parametrize("conserve", [("mass",), ("mass", "momentum"), ("mass", "momentum", "energy")])
+@pytest.mark.parametrize(
+    "conserve", [("mass",), ("mass", "momentum"), ("mass", "momentum", "energy")]
+)
 def test_what_is_conserved_vanishes_to_round_off(method, conserve):
     form, f, Q = drifting(method)
     project = projection(form, conserve)
@@ -88,7 +92,9 @@ def test_a_run_keeps_what_it_conserves_and_records_the_drift_where_not(method, f
     assert abs(float(kept["density"][-1] / kept["density"][0]) - 1.0) < 1e-13
     assert float(abs(kept["velocity"][-1] - kept["velocity"][0]).max()) < 1e-12
     assert float(abs(free["velocity"][-1] - free["velocity"][0]).max()) > 1e-5
-    assert str(kept["conserve"].values) == "mass-momentum" and str(free["conserve"].values) == "none"
+    assert (
+        str(kept["conserve"].values) == "mass-momentum" and str(free["conserve"].values) == "none"
+    )
     assert kept["temperature_error"][-1] < free["temperature_error"][-1]
 
 

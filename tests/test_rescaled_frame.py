@@ -19,7 +19,9 @@ RADIAL = gs.Solver(N=28, R=8.0, method="radial")
 def cooling(name="maxwellian3d", exponent=1.0, **overrides):
     dim = int(name[-2])
     kernel = gs.VHS(exponent, 1.0 / sphere_area(dim))
-    return gs.load_scene(name, kernel=kernel, **({"restitution": 0.5, "diffusion": 0.0} | overrides))
+    return gs.load_scene(
+        name, kernel=kernel, **({"restitution": 0.5, "diffusion": 0.0} | overrides)
+    )
 
 
 def run(scene, solver, t_final, frame="rescaled", **time):
@@ -29,27 +31,36 @@ def run(scene, solver, t_final, frame="rescaled", **time):
     return ds
 
 
-@pytest.mark.parametrize("method", ["fast", "literal", "direct", "carleman", "radial"])
-@pytest.mark.parametrize("exponent", [0.0, 1.0])
+FRAMES_CASES = {
+    # method, exponent: restitution, settings, tolerance
+    ("fast", 0.0): (0.5, {"N": 40, "N_rho": 14, "M_cir": 14}, 1e-5),
+    ("fast", 1.0): (0.5, {"N": 40, "N_rho": 14, "M_cir": 14}, 1e-5),
+    ("literal", 1.0): (0.5, {"N": 40, "N_rho": 14, "M_cir": 14}, 1e-5),
+    ("carleman", 0.0): (0.95, {"N": 40, "M_cir": 24}, 1e-6),
+    ("radial", 1.0): (0.5, {"N": 32}, 1e-5),
+    ("direct", 0.5): (0.5, {"N": 16, "N_rho": 14, "R": 6.0}, 5e-3),
+}
+
+
+@pytest.mark.parametrize(("method", "exponent"), FRAMES_CASES)
 def test_both_frames_see_the_same_gas(method, exponent):
-    """T(t), a2(t) and the density itself, heated and moving where the method can."""
+    """T(t), a2(t) and the density itself, heated, and moving where the method can."""
+    restitution, settings, tolerance = FRAMES_CASES[method, exponent]
     moves = {} if method == "radial" else {"velocity": (0.4, -0.2)}
-    restitution = 0.95 if method == "carleman" else 0.5
     scene = cooling("maxwellian2d", exponent, restitution=restitution, diffusion=0.01, **moves)
-    size = {"N": 24, "R": 8.0} if method == "direct" else {"N": 32, "R": 9.0}
-    count = {"M_cir": 48} if method == "carleman" else {"N_rho": 14, "M_cir": 14}
-    solver = gs.Solver(**size, method=method, **count)
+    solver = gs.Solver(**{"R": 9.0} | settings, method=method)
     fixed, rescaled = (
         gs.simulate(scene, solver, t_final=0.5, dt=0.1, save_every=5, frame=frame, progress=False)
         for frame in ("fixed", "rescaled")
     )
-    tolerance = 2e-4 if method == "direct" else 2e-5
+    if method != "carleman":
+        assert float(rescaled["velocity_scale"][-1]) < 0.99
     for name in ("temperature", "velocity", "pressure", "energy", "density"):
         assert float(abs(fixed[name] - rescaled[name]).max()) < tolerance, name
-    assert float(abs(fixed["a2"] - rescaled["a2"]).max()) < 20 * tolerance
+    assert float(abs(fixed["a2"] - rescaled["a2"]).max()) < 10 * tolerance
     # f on the rescaled run's own velocities, by the fixed run's interpolating series
     f = gs.physical_density(rescaled).isel(snapshot=-1)
-    assert_same_density(f, fixed["f"].isel(snapshot=-1), scene, solver, 20 * tolerance)
+    assert_same_density(f, fixed["f"].isel(snapshot=-1), scene, solver, 3 * tolerance)
 
 
 def assert_same_density(f, expected, scene, solver, tolerance):
@@ -113,7 +124,9 @@ def test_balance_is_the_derivative_of_temperature_and_velocity():
     h = 1e-6
     (T1, u1), (T0, u0) = (temperature_and_velocity(M + s * h * change) for s in (1, -1))
     shrinking, drift = balance(M, change, 2)
-    assert shrinking == pytest.approx((T1 - T0) / (4 * h) / temperature_and_velocity(M)[0], rel=1e-8)
+    assert shrinking == pytest.approx(
+        (T1 - T0) / (4 * h) / temperature_and_velocity(M)[0], rel=1e-8
+    )
     np.testing.assert_allclose(drift, (u1 - u0) / (2 * h), rtol=1e-8)
 
 
@@ -159,7 +172,9 @@ def test_a_heated_gas_comes_to_the_steady_state_of_the_fixed_frame_from_hot_and_
         for T in (0.25, 2.0)
     ]
     for ds in ends:
-        assert float(ds["temperature"][-1]) == pytest.approx(float(fixed["temperature"][-1]), rel=2e-5)
+        assert float(ds["temperature"][-1]) == pytest.approx(
+            float(fixed["temperature"][-1]), rel=2e-5
+        )
     T, a2 = ([float(ds[name][-1]) for ds in ends] for name in ("temperature", "a2"))
     assert T[0] == pytest.approx(T[1], rel=1e-5) and a2[0] == pytest.approx(a2[1], abs=1e-5)
 
@@ -172,7 +187,8 @@ def test_a_drift_of_momentum_moves_the_frame():
     moved = float(abs(ds["frame_velocity"][-1] - ds["frame_velocity"][0]).max())
     assert moved > 1e-3
     u_g = (ds["velocity"] - ds["frame_velocity"]) / ds["velocity_scale"]
-    assert float(abs(u_g).max()) < 1e-6
+    assert float(ds["velocity_scale"][-1]) < 0.5
+    assert float(abs(u_g - u_g[0]).max()) < 1e-10
 
 
 def test_restitution_that_depends_on_the_impact_speed():
@@ -201,4 +217,4 @@ def test_q_is_interpolated_in_the_scale_at_order_four(monkeypatch):
         Q = InterpolatedCollisions(scene, solver, collisions(operator))(f, scale)
         errors.append(np.max(np.abs(Q - exact)) / np.max(np.abs(exact)))
     orders = np.diff(np.log(errors)) / np.diff(np.log(spacings))
-    assert orders[-1] > 3.5 and errors[-1] < 1e-4, (orders, errors)
+    assert orders[-1] > 3.5 and errors[-1] < 1e-3, (orders, errors)

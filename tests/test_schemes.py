@@ -55,7 +55,9 @@ def test_the_error_of_a_step_has_the_lower_schemes_order(scheme):
 
 def test_the_exponential_scheme_without_diffusion_is_kuttas():
     equation, y = Riccati(), np.array([0.7])
-    steps = [SCHEMES[name].step(equation, y, 0.3, equation.rate(y)) for name in ("rk3", "exponential")]
+    steps = [
+        SCHEMES[name].step(equation, y, 0.3, equation.rate(y)) for name in ("rk3", "exponential")
+    ]
     np.testing.assert_allclose(steps[1].state, steps[0].state, rtol=1e-15)
     np.testing.assert_allclose(steps[1].error, steps[0].error, rtol=1e-12)
 
