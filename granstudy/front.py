@@ -6,6 +6,9 @@ import xarray as xr
 TOLERANCE = "fast, rtol"
 """What a run is called whose quadrature a tolerance has chosen."""
 
+ON_GPU = "{}, gpu"
+"""What it is called then where a GPU made it."""
+
 
 def on_front(seconds: np.ndarray, error: np.ndarray) -> np.ndarray:
     """Mark the runs that none is as good as in both measures and better in one.
@@ -33,11 +36,12 @@ def fastest_within(seconds: np.ndarray, error: np.ndarray, largest: float) -> in
 
 
 def families(table: xr.Dataset) -> list[str]:
-    """What each run of a table counts as on the front: its method, or `TOLERANCE`."""
+    """What each run of a table counts as on the front: its method or `TOLERANCE`, and `ON_GPU`."""
     tolerance = table["rtol"].values > 0 if "rtol" in table.coords else np.array(False)
-    return [
-        TOLERANCE if with_rtol else str(method)
-        for method, with_rtol in np.broadcast(
-            np.broadcast_to(table["method"].values, table.sizes["run"]), tolerance
-        )
-    ]
+    gpu = table["device"].values == "gpu" if "device" in table.coords else np.array(False)
+    columns = (np.broadcast_to(c, table.sizes["run"]) for c in (table["method"], tolerance, gpu))
+    names = []
+    for method, with_rtol, on_gpu in zip(*columns, strict=True):
+        name = TOLERANCE if with_rtol else str(method)
+        names.append(ON_GPU.format(name) if on_gpu else name)
+    return names

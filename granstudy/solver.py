@@ -12,12 +12,17 @@ from granstudy.grid import VelocityGrid, check_node_count, check_point_count, ch
 METHODS = ("auto", "literal", "direct", "fast", "radial", "carleman")
 VARIANTS = ("full", "separate")
 RADIAL_RULES = ("legendre", "jacobi")
+DEVICES = ("cpu", "gpu")
 
 CHOSEN_BY_RTOL = {"N_rho", "M_sph", "M_cir", "sphere_rule", "radial_rule"}
 """Fields that a tolerance takes the place of."""
 
 TAKES_RTOL = ("auto", "fast", "radial")
 """Methods that take a tolerance; `radial` has no quadrature error, so that it meets any."""
+
+
+TAKES_GPU = ("auto", "fast")
+"""Methods that run on a GPU; `auto` is then `fast`."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +65,9 @@ class Solver:
         products on the grid do, and sinc is evaluated as in the paper's code.
     threads : int or None
         Threads to use, None for one a core. Results do not depend on it.
+    device : str
+        ``cpu`` or ``gpu``: where `fast` sums over its nodes. A GPU needs CuPy or PyTorch (``pip install
+        'granstudy[gpu]'``) and a restitution that is a constant; results differ by round-off.
 
     Raises
     ------
@@ -79,6 +87,7 @@ class Solver:
     rtol: float | None = None
     circular: bool = False
     threads: int | None = None
+    device: str = "cpu"
 
     def __post_init__(self) -> None:
         if self.N is None or self.R is None:
@@ -100,11 +109,17 @@ class Solver:
             ("variant", VARIANTS),
             ("method", METHODS),
             ("radial_rule", RADIAL_RULES),
+            ("device", DEVICES),
         ):
             if getattr(self, field) not in allowed:
                 raise unknown_name(field, getattr(self, field), allowed)
         if self.rtol is not None:
             self._check_rtol(self.rtol)
+        if self.device == "gpu" and self.method not in TAKES_GPU:
+            raise ValueError(
+                f"device='gpu': only methods {', '.join(map(repr, TAKES_GPU))} take it, "
+                f"not {self.method!r}"
+            )
 
     def _check_left_out(self) -> None:
         for field, value in (("N", self.N), ("R", self.R)):
@@ -132,8 +147,10 @@ class Solver:
 
     @property
     def operator(self) -> str:
-        """Name of the operator behind the method: ``adaptive`` for `fast` with a tolerance."""
-        return "adaptive" if self.method == "fast" and self.rtol is not None else self.method
+        """Name of the operator behind the method: ``adaptive`` for `fast` with a tolerance, ``on gpu``."""
+        adaptive = self.method == "fast" and self.rtol is not None
+        name = "adaptive" if adaptive else self.method
+        return f"{name} on gpu" if self.device == "gpu" else name
 
     @property
     def is_open(self) -> bool:
@@ -153,9 +170,11 @@ class Solver:
         """The solver as plain data, for a dataset's attributes.
 
         ``threads`` is left out: it changes how long a run takes, not what comes out. So is what plays no
-        part, ``rtol`` or what it chooses.
+        part, ``rtol`` or what it chooses, and ``device`` where it is the CPU.
         """
         unused = {"rtol"} if self.rtol is None else CHOSEN_BY_RTOL
+        if self.device == "cpu":
+            unused = unused | {"device"}
         return {
             key: value
             for key, value in dataclasses.asdict(self).items()

@@ -11,10 +11,12 @@ w_r/|H|. It differs from the fast sum without H by aliasing alone: there each pa
 of its two nodes, here at r's images.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from granstudy.collision import kernels
-from granstudy.collision.gain import GainSum
+from granstudy.collision.gain import Gain, GainSum
 from granstudy.collision.nodes import Nodes, place_nodes
 from granstudy.collision.operator import check_state
 from granstudy.collision.rules import directions, radial_nodes, reduce_directions
@@ -27,13 +29,15 @@ from granstudy.scene import Scene
 from granstudy.solver import Solver
 from granstudy.symmetry import Symmetry
 
+MakeGain = Callable[[Scene, Solver, VelocityGrid, Nodes], Gain]
+
 
 class NodalOperator:
     """Q(f,f) for real f by a sum over given nodes.
 
     Parameters
     ----------
-    gain : GainSum
+    gain : Gain
         On ``grid``, or on a smaller grid that holds the spectra of f and of Q.
     group : Symmetry
         Under which the sum is symmetrised, and which densities must have.
@@ -41,9 +45,7 @@ class NodalOperator:
         G⁻ on the half spectrum of ``grid``.
     """
 
-    def __init__(
-        self, grid: VelocityGrid, gain: GainSum, group: Symmetry, loss: np.ndarray
-    ) -> None:
+    def __init__(self, grid: VelocityGrid, gain: Gain, group: Symmetry, loss: np.ndarray) -> None:
         self.grid = grid
         self.gain = gain
         self.group = group
@@ -92,7 +94,12 @@ class NodalOperator:
         self.gain.transform()
 
 
-def fast_operator(scene: Scene, solver: Solver) -> NodalOperator:
+def gain_sum(scene: Scene, solver: Solver, grid: VelocityGrid, nodes: Nodes) -> GainSum:
+    """The sum over some nodes, on the solver's threads."""
+    return GainSum(scene, grid, nodes, solver.thread_count)
+
+
+def fast_operator(scene: Scene, solver: Solver, make_gain: MakeGain = gain_sum) -> NodalOperator:
     """The operator with the solver's rule: N_rho shells of equally many directions."""
     grid = solver.grid(scene.dim)
     radial, rule = radial_nodes(scene, solver), directions(scene, solver)
@@ -102,7 +109,7 @@ def fast_operator(scene: Scene, solver: Solver) -> NodalOperator:
         loss = loss_weight(scene.kernel, grid, radial.points, radial.weights, half=True)
     else:
         loss = nodal_loss(grid, place_nodes(scene, grid, radial, [half(rule)] * len(radial)))
-    gain = GainSum(scene, grid, nodes, solver.thread_count)
+    gain = make_gain(scene, solver, grid, nodes)
     return NodalOperator(grid, gain, group, spectrum_axes(grid, loss))
 
 
