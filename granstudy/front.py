@@ -3,11 +3,9 @@
 import numpy as np
 import xarray as xr
 
-TOLERANCE = "fast, rtol"
-"""What a run is called whose quadrature a tolerance has chosen."""
-
-ON_GPU = "{}, gpu"
-"""What it is called then where a GPU made it."""
+TOLERANCE = ", rtol"
+ON_GPU = ", gpu"
+"""What is added to the method of a run with a tolerance, or on a GPU."""
 
 
 def on_front(seconds: np.ndarray, error: np.ndarray) -> np.ndarray:
@@ -36,12 +34,15 @@ def fastest_within(seconds: np.ndarray, error: np.ndarray, largest: float) -> in
 
 
 def families(table: xr.Dataset) -> list[str]:
-    """What each run of a table counts as on the front: its method or `TOLERANCE`, and `ON_GPU`."""
-    tolerance = table["rtol"].values > 0 if "rtol" in table.coords else np.array(False)
-    gpu = table["device"].values == "gpu" if "device" in table.coords else np.array(False)
-    columns = (np.broadcast_to(c, table.sizes["run"]) for c in (table["method"], tolerance, gpu))
-    names = []
-    for method, with_rtol, on_gpu in zip(*columns, strict=True):
-        name = TOLERANCE if with_rtol else str(method)
-        names.append(ON_GPU.format(name) if on_gpu else name)
-    return names
+    """What each run of a table counts as on the front: its method, with `TOLERANCE` and `ON_GPU`."""
+
+    def along(name: str, absent: object) -> np.ndarray:
+        values = table[name].values if name in table.coords else np.array(absent)
+        return np.broadcast_to(values, table.sizes["run"])
+
+    return [
+        str(method) + TOLERANCE * bool(rtol > 0) + ON_GPU * (device == "gpu")
+        for method, rtol, device in zip(
+            along("method", ""), along("rtol", -1.0), along("device", ""), strict=True
+        )
+    ]
