@@ -4,8 +4,9 @@ import numpy as np
 import xarray as xr
 
 TOLERANCE = ", rtol"
+SINGLE = ", single"
 ON_GPU = ", gpu"
-"""What is added to the method of a run with a tolerance, or on a GPU."""
+"""What is added to the method of a run with a tolerance, in single precision, or on a GPU."""
 
 
 def on_front(seconds: np.ndarray, error: np.ndarray) -> np.ndarray:
@@ -34,15 +35,22 @@ def fastest_within(seconds: np.ndarray, error: np.ndarray, largest: float) -> in
 
 
 def families(table: xr.Dataset) -> list[str]:
-    """What each run of a table counts as on the front: its method, with `TOLERANCE` and `ON_GPU`."""
+    """What each run of a table counts as on the front: its method, with `TOLERANCE`, `SINGLE`, `ON_GPU`."""
 
     def along(name: str, absent: object) -> np.ndarray:
         values = table[name].values if name in table.coords else np.array(absent)
         return np.broadcast_to(values, table.sizes["run"])
 
     return [
-        str(method) + TOLERANCE * bool(rtol > 0) + ON_GPU * (device == "gpu")
-        for method, rtol, device in zip(
-            along("method", ""), along("rtol", -1.0), along("device", ""), strict=True
+        str(method)
+        + TOLERANCE * bool(rtol > 0)
+        + SINGLE * (precision == "single")
+        + ON_GPU * (device == "gpu")
+        for method, rtol, precision, device in zip(
+            along("method", ""),
+            along("rtol", -1.0),
+            along("precision", ""),
+            along("device", ""),
+            strict=True,
         )
     ]

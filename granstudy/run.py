@@ -109,7 +109,7 @@ class Run:
         settings |= {key: value for key, value in self.values if key in fields}
         if self.is_reference and self._value("method", None) != "radial":
             assert self.model.reference is not None
-            for own in ("rtol", "device"):  # of the run's; a reference says its own
+            for own in ("rtol", "precision", "device"):  # of the run's; a reference says its own
                 settings.pop(own, None)
             settings |= self.model.reference.model_dump(exclude_unset=True)
         chosen = "rtol" in settings and settings.get("method", "fast") in TAKES_RTOL

@@ -24,6 +24,7 @@ SWEPT = (
     "method",
     "sphere_rule",
     "radial_rule",
+    "precision",
     "device",
     "dt",
 )
@@ -74,6 +75,7 @@ class SolverModel(_Model):
         Field(description="tolerance of Q's quadrature error, in place of N_rho, M_.."),
     ] = None
     circular: bool | None = None
+    precision: Annotated[str | None, Field(description="double, or single for fast")] = None
     device: Annotated[str | None, Field(description="cpu or gpu; default: cpu")] = None
 
 

@@ -62,7 +62,8 @@ def test_runs_on_a_gpu_are_too(table):
     swept = table.assign_coords(device=("run", device))
     names = ["literal", "fast", "fast, rtol, gpu", "fast, rtol, gpu", "fast, gpu"]
     assert families(swept) == names
-    assert families(table.assign_coords(device="gpu"))[1] == "fast, gpu"
+    single = table.assign_coords(device="gpu", precision="single")
+    assert families(single)[1:3] == ["fast, single, gpu", "fast, rtol, single, gpu"]
     labels = [text.get_text() for text in draw_front([swept]).legends[0].get_texts()]
     assert labels[:3] == ["literal", "fast", "fast, rtol, gpu"]
 

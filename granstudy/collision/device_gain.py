@@ -15,6 +15,7 @@ import numpy as np
 from granstudy.collision.device import Device, check_scene
 from granstudy.collision.gain import pair_shift, shell_means
 from granstudy.collision.nodes import Nodes
+from granstudy.collision.transforms import REAL
 from granstudy.grid import VelocityGrid
 from granstudy.scene import Scene
 
@@ -37,8 +38,8 @@ class DeviceGainSum:
     ----------
     grid : VelocityGrid
         The grid on which the products are formed.
-    dtype : str
-        ``float64`` or ``float32``: the precision of everything on the device.
+    precision : str
+        ``double``, or ``single`` for everything on the device.
     memory : int, optional
         Bytes that a batch may take; by default half of what is free on the device, or `BATCH_BYTES`.
 
@@ -54,7 +55,7 @@ class DeviceGainSum:
         grid: VelocityGrid,
         nodes: Nodes,
         device: Device,
-        dtype: str = "float64",
+        precision: str = "double",
         memory: int | None = None,
     ) -> None:
         check_scene(scene)
@@ -64,7 +65,7 @@ class DeviceGainSum:
         self.shape = (grid.N, grid.N if grid.dim == 3 else 1, grid.N)
         self.transforms = 2 * len(nodes)
         self._device = device
-        self._real = np.dtype(dtype)
+        self._real = REAL[precision]
         self._complex = np.result_type(self._real, np.complex64)
         self._half = (*self.shape[:2], grid.N // 2 + 1)
         self._axes = (1, 2, 3) if grid.dim == 3 else (1, 3)

@@ -96,7 +96,7 @@ class NodalOperator:
 
 def gain_sum(scene: Scene, solver: Solver, grid: VelocityGrid, nodes: Nodes) -> GainSum:
     """The sum over some nodes, on the solver's threads."""
-    return GainSum(scene, grid, nodes, solver.thread_count)
+    return GainSum(scene, grid, nodes, solver.thread_count, precision=solver.precision)
 
 
 def fast_operator(scene: Scene, solver: Solver, make_gain: MakeGain = gain_sum) -> NodalOperator:

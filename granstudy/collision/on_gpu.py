@@ -17,8 +17,8 @@ def check(scene: Scene) -> None:
 
 
 def gain_on_gpu(scene: Scene, solver: Solver, grid: VelocityGrid, nodes: Nodes) -> DeviceGainSum:
-    """The sum over some nodes, on a GPU."""
-    return DeviceGainSum(scene, grid, nodes, find_gpu())
+    """The sum over some nodes, on a GPU, in the solver's precision."""
+    return DeviceGainSum(scene, grid, nodes, find_gpu(), solver.precision)
 
 
 def fast_on_gpu(scene: Scene, solver: Solver) -> NodalOperator:

@@ -16,7 +16,7 @@ from granstudy.collision.device_gain import SPECTRA_HELD, DeviceGainSum, equal_b
 from granstudy.collision.fast import fast_operator
 from granstudy.collision.planned import planned_operator
 
-PRECISION = {"float64": 1e-13, "float32": 1e-6}
+ROUND_OFF = {"double": 1e-13, "single": 1e-6}
 
 SCENES = {
     "2D": (asymmetric_scene(2, seed=1, exponent=0.5, restitution=0.37), {"M_cir": 10}),
@@ -44,20 +44,20 @@ def small(rule, **settings):
     )
 
 
-@pytest.mark.parametrize("dtype", PRECISION)
+@pytest.mark.parametrize("precision", ROUND_OFF)
 @pytest.mark.parametrize("case", SCENES)
-def test_equal_to_the_compiled_sum(device, case, dtype):
+def test_equal_to_the_compiled_sum(device, case, precision):
     scene, rule = SCENES[case]
     solver = small(rule)
     compiled = fast_operator(scene, solver)
-    operator = fast_operator(scene, solver, on(device, dtype=dtype))
+    operator = fast_operator(scene, solver, on(device, precision=precision))
     f = scene.density(operator.grid)
     Q = operator(f)
     assert Q.dtype == np.float64
     # near an equilibrium Q is what is left of gain and loss, whose round-off it has
     error = np.max(np.abs(Q - compiled(f))) / np.max(np.abs(compiled.loss(f)))
-    assert error < PRECISION[dtype]
-    assert (error > 1e-10) == (dtype == "float32")
+    assert error < ROUND_OFF[precision]
+    assert (error > 1e-10) == (precision == "single")
     assert operator.transforms == compiled.transforms
     assert (len(operator.group) > 1) == (case not in ("2D", "3D"))
 
@@ -112,10 +112,10 @@ def test_batches_are_equal_and_cover_all_nodes(count, largest):
     assert not sizes or (max(sizes) <= largest and max(sizes) - min(sizes) <= 1)
 
 
-@pytest.mark.parametrize("dtype", PRECISION)
-def test_a_batch_takes_no_more_memory_than_it_may(dtype):
+@pytest.mark.parametrize("precision", ROUND_OFF)
+def test_a_batch_takes_no_more_memory_than_it_may(precision):
     scene, rule = SCENES["3D"]
-    operator = fast_operator(scene, small(rule, N=16), on(NUMPY, dtype=dtype, memory=2**22))
+    operator = fast_operator(scene, small(rule, N=16), on(NUMPY, precision=precision, memory=2**22))
     assert len(operator.gain._batches) > 2
     f = scene.density(operator.grid)
     f_hat = np.fft.rfftn(f, norm="forward")

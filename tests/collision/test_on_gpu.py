@@ -36,15 +36,18 @@ def no_gpu(monkeypatch):
     monkeypatch.setattr(device, "_torch_gpu", lambda: None)
 
 
-@pytest.mark.parametrize("solver", [SMALL, TOLERANT])
-def test_a_run_is_the_same_but_for_round_off(stand_in, solver):
+@pytest.mark.parametrize(
+    ("solver", "round_off"),
+    [(SMALL, 1e-14), (TOLERANT, 1e-14), (replace(SMALL, precision="single"), 1e-7)],
+)
+def test_a_run_is_the_same_but_for_round_off(stand_in, solver, round_off):
     scene = asymmetric_scene(2, seed=1, exponent=1.0, restitution=0.37)
     time = {"t_final": 0.02, "dt": 0.01, "save_every": 1}
     cpu, other = (
         gs.simulate(scene, replace(solver, device=name), **time) for name in ("cpu", "gpu")
     )
     assert cpu["status"] == other["status"] == 0
-    assert_near(other["f"].values, cpu["f"].values, 1e-14)
+    assert_near(other["f"].values, cpu["f"].values, round_off)
     assert not np.array_equal(other["f"].values, cpu["f"].values)
     assert other["device"] == "gpu" and "device" not in cpu.coords
     assert json.loads(other.attrs["solver"]) == json.loads(cpu.attrs["solver"]) | {"device": "gpu"}
@@ -129,9 +132,14 @@ def test_the_growth_of_a_device_is_its_own(stand_in, study, tmp_path):
 
 
 def test_a_reference_does_not_inherit_the_device(study):
-    runs = study("N_rho: 4}", "N_rho: 4, device: gpu}").runs["speed"]
+    runs = study("N_rho: 4}", "N_rho: 4, precision: single, device: gpu}").runs["speed"]
     for run in runs.values():
-        assert (run.reference.solver.method, run.reference.solver.device) == ("direct", "cpu")
+        reference = run.reference.solver
+        assert (reference.method, reference.device, reference.precision) == (
+            "direct",
+            "cpu",
+            "double",
+        )
 
 
 @pytest.mark.parametrize(
