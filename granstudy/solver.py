@@ -24,7 +24,6 @@ CHOSEN_BY_RTOL = {"N_rho", "M_sph", "M_cir", "sphere_rule", "radial_rule"}
 TAKES_RTOL = ("auto", "fast", "radial")
 """Methods that take a tolerance; `radial` has no quadrature error, so that it meets any."""
 
-
 TAKES_GPU = ("auto", "fast")
 """Methods that run on a GPU; `auto` is then `fast`."""
 
