@@ -4,7 +4,7 @@ import numpy as np
 
 from granstudy.grid import check_dim
 
-__all__ = ["check_dim", "check_exponent", "check_restitution"]
+__all__ = ["check_dim", "check_exponent", "check_restitution", "check_tensor"]
 
 
 def check_restitution(restitution: float | np.ndarray) -> None:
@@ -17,6 +17,16 @@ def check_exponent(exponent: float) -> None:
     """Raise ValueError unless ``exponent`` is a λ between Maxwell molecules and hard spheres."""
     if not _within_unit_interval(exponent):
         raise ValueError(f"exponent={exponent!r}: must lie between 0 and 1")
+
+
+def check_tensor(name: str, tensor: np.ndarray, order: int) -> np.ndarray:
+    """``tensor`` as an array; raise ValueError unless it is one of that order in 2D or 3D."""
+    array = np.asarray(tensor, dtype=float)
+    if array.shape not in {(2,) * order, (3,) * order}:
+        raise ValueError(
+            f"{name} has shape {array.shape}: must be {(2,) * order} or {(3,) * order}"
+        )
+    return array
 
 
 def _within_unit_interval(value: float | np.ndarray) -> bool:

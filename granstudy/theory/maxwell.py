@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from granstudy.theory.checks import check_dim, check_restitution
+from granstudy.theory.checks import check_dim, check_restitution, check_tensor
 
 
 class MomentRates(NamedTuple):
@@ -52,15 +52,12 @@ def maxwell_moment_rates(
     Raises
     ------
     ValueError
-        If e is not a number in [0, 1], or the dimension not 2 or 3.
+        If e is not a number in [0, 1], or a tensor not of its order in 2D or 3D.
     """
-    P, M3 = np.asarray(pressure, dtype=float), np.asarray(third, dtype=float)
-    d = len(P)
-    check_dim(d)
+    P, M3 = check_tensor("pressure", pressure, 2), check_tensor("third", third, 3)
     check_restitution(restitution)
-    a = (1.0 + restitution) / 4.0
+    d, a, nu = len(P), (1.0 + restitution) / 4.0, density * cross_section
     unit, trace = np.eye(d), np.trace(P)
-    nu = density * cross_section
 
     P_rate = (
         nu * (-2 * a * (1 - a) * P + 2 * a**2 / d * trace * unit) + 2 * diffusion * density * unit
@@ -126,7 +123,7 @@ def maxwell_pressure(
     Raises
     ------
     ValueError
-        If e is not a number in [0, 1], or the dimension not 2 or 3.
+        If e is not a number in [0, 1], or a tensor not of its order in 2D or 3D.
     """
     T0, D0 = _split(pressure, density)
     check_restitution(restitution)
@@ -151,17 +148,16 @@ def maxwell_third_moments(
     Raises
     ------
     ValueError
-        If e is not a number in [0, 1], or the dimension not 2 or 3.
+        If e is not a number in [0, 1], or a tensor not of its order in 2D or 3D.
     """
-    M3 = np.asarray(third, dtype=float)
-    d = len(M3)
-    check_dim(d)
+    M3 = check_tensor("third", third, 3)
     check_restitution(restitution)
-    a, nu = (1.0 + restitution) / 4.0, density * cross_section
+    d, a, nu = len(M3), (1.0 + restitution) / 4.0, density * cross_section
     t = np.asarray(t, dtype=float)[..., None, None, None]
     vector = _vector_part(np.einsum("ikk", M3)) / (d + 2)
-    rest = np.exp(-3 * a * (1 - a) * nu * t)
-    return (M3 - vector) * rest + vector * rest * np.exp(a**2 * (d + 2) / d * nu * t)
+    rate = 3 * a * (1 - a)
+    vector_rate = rate - a**2 * (d + 2) / d
+    return (M3 - vector) * np.exp(-rate * nu * t) + vector * np.exp(-vector_rate * nu * t)
 
 
 def maxwell_a2(
@@ -209,7 +205,7 @@ def maxwell_a2(
     d, nu = len(D0), density * cross_section
     r1 = (1.0 - restitution**2) / 4.0
     r2, c1, c2 = _fourth_coefficients(restitution, d)
-    isotropic = (c1 * d + c2) / (d + 2)  # 2⟨ab⟩
+    isotropic = (c1 * d + c2) / (d + 2)  # 2⟨ab⟩, docs/theory.md §2
     anisotropic = c2 * np.sum(D0**2) / (density**2 * d * (d + 2))
     anisotropy_rate = maxwell_anisotropy_rate(restitution, d, density, cross_section)
 
@@ -218,6 +214,8 @@ def maxwell_a2(
         source = isotropic + anisotropic * (np.exp(-anisotropy_rate * s) / T) ** 2
         return nu * (source - (r2 - 2 * r1) * (1 + a2)) - 4 * diffusion / T * a2
 
+    if times[-1] == 0.0:
+        return np.array([float(a2)])
     run = solve_ivp(slope, (0.0, times[-1]), [a2], "LSODA", times, rtol=1e-12, atol=1e-13)
     if not run.success:
         raise ValueError(f"t={t!r}: a2 could not be integrated that far: {run.message}")
@@ -226,19 +224,18 @@ def maxwell_a2(
 
 def _fourth_coefficients(restitution: float, dim: int) -> tuple[float, float, float]:
     """r_2, c_1, c_2 of M's equation: from the mean of |v'|⁴ over σ (docs/theory.md §1)."""
-    a = (1.0 + restitution) / 4.0
-    b = 1.0 - a
-    k = 2 * (dim + 2) / dim * a**2
-    r2 = 1.0 - (a**4 + b**4) - k * (a**2 + b**2) - 2 * a**4
-    c1 = 2 * a**2 * b**2 + k * (a**2 + b**2) + 2 * a**4
-    c2 = 4 * a**2 * b**2 - 4 * k * a * b + 4 * a**4
+    alpha = (1.0 + restitution) / 4.0
+    product, squares = alpha * (1 - alpha), alpha**2 + (1 - alpha) ** 2
+    kappa = 2 * (dim + 2) / dim * alpha**2
+    r2 = 1.0 - alpha**4 - (1 - alpha) ** 4 - kappa * squares - 2 * alpha**4
+    c1 = 2 * product**2 + kappa * squares + 2 * alpha**4
+    c2 = 4 * product**2 - 4 * kappa * product + 4 * alpha**4
     return r2, c1, c2
 
 
 def _split(pressure: np.ndarray, density: float) -> tuple[float, np.ndarray]:
     """Temperature and traceless part of a pressure tensor."""
-    P = np.asarray(pressure, dtype=float)
-    check_dim(len(P))
+    P = check_tensor("pressure", pressure, 2)
     mean = np.trace(P) / len(P)
     return float(mean / density), P - mean * np.eye(len(P))
 

@@ -125,6 +125,10 @@ def test_kurtosis_of_a_simulation(dim, e, epsilon):
     assert np.ptp(exact) > 0.02
 
 
+def test_kurtosis_at_the_initial_time():
+    np.testing.assert_array_equal(theory.maxwell_a2([0.0], np.eye(2), 0.3, 0.5), [0.3])
+
+
 def test_kurtosis_keeps_its_accuracy_when_hardly_any_temperature_is_left():
     t = np.array([2000.0])
     end = theory.maxwell_a2(t, np.eye(3), 0.0, 0.5)[0]
@@ -138,7 +142,8 @@ def test_kurtosis_keeps_its_accuracy_when_hardly_any_temperature_is_left():
         (lambda: theory.maxwell_anisotropy_rate(0.5, 4), "dim=4: allowed are 2 and 3"),
         (lambda: theory.maxwell_pressure(1.0, np.eye(3), 1.1), "restitution=1.1: must be a number"),
         (lambda: theory.maxwell_pressure(1.0, np.eye(3), gs.Viscoelastic(0.1)), "must be a number"),
-        (lambda: theory.maxwell_third_moments(1.0, np.ones((4, 4, 4)), 0.5), "dim=4"),
+        (lambda: theory.maxwell_third_moments(1.0, np.eye(3), 0.5), r"third has shape \(3, 3\)"),
+        (lambda: theory.maxwell_pressure(1.0, np.eye(4), 0.5), r"shape \(4, 4\): must be \(2, 2\)"),
         (lambda: theory.maxwell_a2([1.0, 0.5], np.eye(2), 0.0, 0.5), "must be times from 0 on"),
         (lambda: theory.maxwell_a2([-1.0], np.eye(2), 0.0, 0.5), "must be times from 0 on"),
         (lambda: theory.maxwell_a2([1.0], np.zeros((2, 2)), 0.0, 0.5), "must be positive"),

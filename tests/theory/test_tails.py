@@ -51,3 +51,43 @@ def test_arguments_outside_their_range():
             law(1.2)
         with pytest.raises(ValueError, match="exponent=1.5"):
             law(0.2, 3, 1.5)
+
+
+def steady_state(state, dim, e, N, R):
+    """Hard spheres at T = 1, cooling or heated, by `radial` and Newton's method, and their grid."""
+    scene = gs.load_scene(f"maxwellian{dim}d", kernel=gs.hard_spheres(dim), restitution=e)
+    operator = gs.collision_operator(scene, gs.Solver(N=N, R=R, method="radial"))
+    grid, h = operator.grid, 1e-5
+    r, w = grid.nodes, grid.weights
+    differences = (grid.mode_values(r + h) - grid.mode_values(r - h)) / (2 * h)
+    derivative = differences @ grid.analysis
+    diffusion = grid.laplacian(np.eye(N))
+
+    def residual(f):
+        Q = operator(f)
+        cooling = -(w * r**2 @ Q) / dim  # −T'/T
+        change = diffusion @ f if state == "heated" else -dim * f - r * (derivative @ f)
+        return np.concatenate([Q + cooling / 2 * change, [w @ f - 1, w * r**2 @ f / dim - 1]])
+
+    f, step = scene.density(grid), 1e-6 * np.eye(N)
+    for _ in range(6):
+        jacobian = np.transpose([(residual(f + s) - residual(f - s)) / 2e-6 for s in step])
+        f = f - np.linalg.lstsq(jacobian, residual(f), rcond=1e-13)[0]
+    assert np.max(np.abs(residual(f))) < 1e-10
+    return f, grid
+
+
+@pytest.mark.parametrize(
+    ("state", "R", "linear", "rate", "power", "speeds", "tolerance"),
+    [
+        ("cooling", 14.0, theory.montanero_santos_a2, theory.cooling_tail_rate, 1.0, (4, 6), 0.02),
+        ("heated", 10.5, theory.heated_state_a2, theory.heated_tail_rate, 1.5, (5, 6), 0.01),
+    ],
+)
+def test_computed_states_of_hard_spheres(state, R, linear, rate, power, speeds, tolerance):
+    e, c = 0.2, np.array(speeds)
+    f, grid = steady_state(state, 3, e, 40, R)
+    a2 = grid.velocity_moments(f).fourth / 15 - 1
+    assert a2 == pytest.approx(linear(e), abs=4e-3)
+    slope = -np.diff(np.log(grid.evaluate(f, c)))[0] / np.diff(c**power)[0]
+    assert slope == pytest.approx(rate(e, a2=a2), rel=tolerance)
