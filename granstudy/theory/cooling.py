@@ -6,6 +6,8 @@ from scipy.special import gamma
 from granstudy.kernel import VHS, sphere_area
 from granstudy.theory.checks import check_dim, check_restitution
 
+MAXWELL_COOLING = "exponent=0: Maxwell molecules cool exponentially; Haff's law needs λ > 0"
+
 
 def gaussian_cooling_coefficient(kernel: VHS, restitution: float, dim: int) -> float:
     """K of dT/dt = −K T^{1+λ/2} for a Gaussian of unit density.
@@ -51,7 +53,7 @@ def haff_constant(
     """
     lam = kernel.exponent
     if lam == 0.0:
-        raise ValueError("exponent=0: Maxwell molecules cool exponentially; Haff's law needs λ > 0")
+        raise ValueError(MAXWELL_COOLING)
     K = gaussian_cooling_coefficient(kernel, restitution, dim) * cooling_correction(lam, a2)
     return 0.5 * lam * density * K * T0 ** (lam / 2)
 
@@ -61,8 +63,15 @@ def haff_temperature(
 ) -> np.ndarray:
     """Haff's law T = T0 (1 + C0 t)^{−2/λ}, by default of hard spheres.
 
-    It solves dT/dt = −(2/λ) C0 T0^{−λ/2} T^{1+λ/2}, λ > 0 (P. Haff, J. Fluid Mech. 134, 401 (1983)).
+    It solves dT/dt = −(2/λ) C0 T0^{−λ/2} T^{1+λ/2} (P. Haff, J. Fluid Mech. 134, 401 (1983)).
+
+    Raises
+    ------
+    ValueError
+        For λ = 0, where cooling is exponential.
     """
+    if exponent == 0.0:
+        raise ValueError(MAXWELL_COOLING)
     return T0 * (1.0 + C0 * np.asarray(t, dtype=float)) ** (-2.0 / exponent)
 
 

@@ -33,7 +33,7 @@ def maxwell_cooling_moments(order: int, restitution: float, dim: int) -> np.ndar
     Raises
     ------
     ValueError
-        If e is not a number in [0, 1], or the dimension not 2 or 3.
+        If e is not a number in [0, 1], the dimension not 2 or 3, or the order below 1.
     """
     moments = _first_moments(order, restitution, dim)
     r1 = (1.0 - restitution**2) / 4.0
@@ -54,7 +54,7 @@ def maxwell_heated_moments(order: int, restitution: float, dim: int) -> np.ndarr
     Raises
     ------
     ValueError
-        If e is not a number in [0, 1], or the dimension not 2 or 3.
+        If e is not a number in [0, 1], the dimension not 2 or 3, or the order below 1.
     """
     moments = _first_moments(order, restitution, dim)
     r1 = (1.0 - restitution**2) / 4.0
@@ -112,6 +112,8 @@ def _first_moments(order: int, restitution: float, dim: int) -> np.ndarray:
     """Room for the moments: μ_0 = 1 and μ_1/T = 1 are right."""
     check_dim(dim)
     check_restitution(restitution)
+    if order < 1:
+        raise ValueError(f"order={order!r}: must be at least 1")
     return np.ones(order + 1)
 
 

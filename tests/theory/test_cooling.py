@@ -88,6 +88,7 @@ def test_heated_maxwell_molecules_have_the_exact_temperature():
     ("call", "message"),
     [
         (lambda: theory.haff_constant(gs.maxwell(3), 0.5, 3), "exponent=0: .* λ > 0"),
+        (lambda: theory.haff_temperature(1.0, 1.0, 0.3, exponent=0.0), "exponent=0: .* λ > 0"),
         (lambda: theory.heated_temperature(gs.maxwell(3), 1.0, 3, 0.1), "must be below 1"),
         (lambda: theory.heated_temperature(gs.maxwell(3), 0.5, 3, 0.0), "diffusion=0.0: must be"),
         (lambda: theory.heated_temperature(gs.maxwell(3), -0.5, 3, 0.1), "restitution=-0.5"),

@@ -109,5 +109,7 @@ def test_arguments_outside_their_range():
             law(3, 1.2, 2)
         with pytest.raises(ValueError, match="dim=4"):
             law(3, 0.2, 4)
+        with pytest.raises(ValueError, match="order=0: must be at least 1"):
+            law(0, 0.2, 2)
     with pytest.raises(ValueError, match="restitution=-0.1"):
         theory.maxwell_tail_exponent(-0.1, 2)
