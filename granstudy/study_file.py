@@ -24,6 +24,7 @@ SWEPT = (
     "method",
     "sphere_rule",
     "radial_rule",
+    "dealias",
     "precision",
     "dt",
 )
@@ -74,6 +75,7 @@ class SolverModel(_Model):
         Field(description="tolerance of Q's quadrature error, in place of N_rho, M_.."),
     ] = None
     circular: bool | None = None
+    dealias: Annotated[bool | None, Field(description="pad the products of fast")] = None
     precision: Annotated[str | None, Field(description="double, or single for fast")] = None
 
 
