@@ -5,8 +5,8 @@ T = 1, in units of ρ|S|C_λ ⟨|g|^{2+λ}⟩ of the Gaussian, with p = (1−e²
 
     d⟨|c|²⟩/dt = −p/2 (1 + k a2),    d⟨|c|⁴⟩/dt = −(F_0 + F_1 a2).
 
-In the cooling state ⟨|v|⁴⟩ = d(d+2)(1 + a2) T² falls as T² does; heating, which adds 2ε to T', adds 4(d+2)dεT to
-it, and both stand still:
+In the cooling state ⟨|v|⁴⟩ = d(d+2)(1 + a2) T² falls as T² does; heating, which adds 2ε to T', adds 4(d+2)dεT
+to it, and both stand still:
 
     cooling  (d+2)p (1 + k a2)(1 + a2) = F_0 + F_1 a2,      heated  (d+2)p (1 + k a2) = F_0 + F_1 a2.
 
