@@ -1,7 +1,7 @@
 """The energy that collisions take, from all pairs of a density: what the energy of Q has to balance.
 
-A collision at relative velocity g with normal component u|g| takes the kinetic energy (1−e²)u²|g|²/4, whatever
-the method, the truncation or the quadrature (docs/method.md §4):
+A collision at relative velocity g with normal component u|g| takes the kinetic energy (1−e²)u²|g|²/4, so that,
+whatever the method, the truncation or the quadrature (docs/method.md §4),
 
     dE/dt = −½ ∫∫ K(|v−v*|) f f* dv dv*,   K(ρ) = |S^{d−1}| C_λ ρ^{2+λ} mean over σ of (1−e²)u²/4
 
@@ -82,7 +82,7 @@ class RadialForm:
     def __init__(self, scene: Scene, grid: RadialGrid) -> None:
         x, w = np.polynomial.legendre.leggauss(ANGLES)
         if grid.dim == 2:
-            x, w = np.cos(np.pi / 2 * (x + 1)), w
+            x = np.cos(np.pi / 2 * (x + 1))
         r = grid.nodes[:, None]
         mean = np.zeros((grid.N, grid.N))
         for cosine, weight in zip(x, w / 2, strict=True):

@@ -1,6 +1,5 @@
 """The energy that all pairs of a density lose, against laws and against the energy of Q."""
 
-import numpy as np
 import pytest
 from comparison import asymmetric_scene
 
