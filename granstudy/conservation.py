@@ -1,4 +1,4 @@
-"""Conservation by the least change of Q (docs/method.md §5)."""
+"""Conservation by the least change of Q (docs/method.md §9)."""
 
 from collections.abc import Callable, Sequence
 
@@ -18,14 +18,14 @@ Projection = Callable[[np.ndarray, np.ndarray], np.ndarray]
 def projection(form: Representation, conserve: Sequence[str]) -> Projection:
     """The least change of Q that makes ∫φ_i Q* dv vanish for the collision invariants φ_i asked for.
 
-    After I. Gamba & S. Tharkabhushanam, J. Comput. Phys. 228, 2012 (2009), but with the change measured over the
-    Maxwellian M of the gas's own ρ, u, T. Of all Q* the one with the least ∫(Q* − Q)²/M dv is, with Lagrange
-    multipliers λ_j and integrals by the grid's own weights,
+    After I. Gamba & S. Tharkabhushanam, J. Comput. Phys. 228, 2012 (2009), but with the change measured over
+    the Maxwellian M of the gas's own ρ, u, T. Of all Q* the one with the least ∫(Q* − Q)²/M dv is, with
+    Lagrange multipliers λ_j and integrals by the grid's own weights,
 
         Q* = Q − M Σ_j λ_j φ_j,   Σ_j (∫φ_i M φ_j dv) λ_j = ∫φ_i Q dv.
 
-    Without M the change would fill the whole box and spoil the higher moments (docs/method.md §5). On a radial
-    grid momentum is 0 by construction and asks for nothing.
+    Without M the change would fill the whole box and spoil the higher moments (docs/method.md §9). On a
+    radial grid momentum is 0 by construction and asks for nothing.
     """
     if not conserve:
         return lambda state, Q: Q

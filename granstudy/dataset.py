@@ -58,6 +58,9 @@ def run_coordinates(
         if scene.dim == 3:
             coordinates["sphere_rule"] = solver.sphere_rule
         coordinates["radial_rule"] = solver.radial_rule
+    coordinates |= {"dealias": solver.dealias, "precision": solver.precision}
+    if solver.device != "cpu":
+        coordinates["device"] = solver.device
     if settings is not None:
         coordinates |= settings.coordinates()
     return coordinates

@@ -30,12 +30,13 @@ class RescaledFrame:
 
         ∂t g = θ^λ Q(g,g) + εθ^{−2} Δg + (θ'/θ) ∇c·(c g) + (u'/θ)·∇g
 
-    θ and u go by the temperature and the momentum of the first two terms, `balance`. What multiplies the motions
-    ∇c·(c g) and ∇g is θ'/θ and u'/θ but for what g has at the grid's border: it is taken such that the discrete
-    T_g and u_g stay as they are, `keeping`. Where mass and momentum are conserved u' = 0; a drift
-    moves the frame, as it would throw the gas out of a fixed one while velocities shrink.
+    θ and u go by the temperature and the momentum of the first two terms, `balance`. What multiplies the
+    motions ∇c·(c g) and ∇g is θ'/θ and u'/θ but for what g has at the grid's border: it is taken such that
+    the discrete T_g and u_g stay as they are, `keeping`. Where mass and momentum are conserved u' = 0; a
+    drift moves the frame, as it would throw the gas out of a fixed one while velocities shrink.
 
-    A state is one array: g (or ĝ), then log θ, τ, and f's bulk velocity u_f = u + θu_g (none on a radial grid).
+    A state is one array: g (or ĝ), then log θ, τ, and f's bulk velocity u_f = u + θu_g (none on a radial
+    grid).
 
     Parameters
     ----------
