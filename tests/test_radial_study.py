@@ -1,5 +1,7 @@
 """The radial method in a study: runs, their cost, and what a study refuses."""
 
+import json
+
 import pytest
 
 import granstudy as gs
@@ -53,6 +55,9 @@ def test_the_cost_is_that_of_a_small_run(load):
     [
         ("name: maxwellian3d", "name: double_well3d", "e~0.2: initial=DoubleWell3D.*isotropic"),
         ("1.0, ", "1.0, velocity: [0.5, 0.0, 0.0], ", "e~0.2: initial=Maxwellian.*isotropic"),
+        ("dt: 0.05", "dt: 0.05, time_rtol: 1.0e-5", "dt=0.05, time_rtol=1e-05: give one"),
+        ("dt: 0.05", "dt: 0.05, frame: moving", "unknown frame 'moving'"),
+        ("dt: 0.05", "dt: 0.05, conserve: mass-energy", "conserve energy at restitution=1 only"),
         ("N: 16", "N: 3", "N=3: must be an integer of at least 4, the number of radial nodes"),
         (
             "run: evolution\n",
@@ -74,3 +79,35 @@ def test_a_collision_run_and_its_reference_share_their_nodes(tmp_path):
     path.write_text("\n".join(lines))
     with pytest.raises(ValueError, match="method 'radial': has other velocity nodes than its ref"):
         load_study(path)
+
+
+RESCALED = """time_rtol: 1.0e-5, frame: rescaled, conserve: mass-momentum,
+           times: {first: 1.0, last: 100.0, per_decade: 5}"""
+
+
+def test_a_long_rescaled_run_of_adaptive_steps(load, tmp_path):
+    study = load("t_final: 0.5, dt: 0.05", f"t_final: 100.0, {RESCALED}")
+    run = study.run("cooling", "e~0.2")
+    ds = execute(run, threads=1)
+    assert ds.sizes["time"] == 12 and float(ds["time"][1]) == 1.0
+    assert str(ds["frame"].values) == "rescaled" and str(ds["conserve"].values) == "mass-momentum"
+    counts = json.loads(ds.attrs["steps"])
+    assert counts["evaluations"] / 4 < run.evaluations < 4 * counts["evaluations"]
+
+
+def test_frames_schemes_and_tolerances_are_swept(load, tmp_path):
+    sweep = """{e: [0.8], frame: [fixed, rescaled], scheme: [dopri54, exponential],
+         conserve: [none, mass], time_rtol: [1.0e-4]}"""
+    study = load(STUDY[STUDY.index(", dt:") :], f"}}\n    sweep:\n      - {sweep}\n")
+    runs = study.runs["cooling"]
+    assert "e~0.8/frame~rescaled/scheme~exponential/conserve~mass/time_rtol~0.0001" in runs
+    for name, run in runs.items():
+        gs.write_dataset(execute(run, threads=1), tmp_path / "runs" / f"{name}.nc")
+    T = gs.unstack_runs(gs.final_values(tmp_path / "runs"))["temperature"]
+    assert T.sizes == {"frame": 2, "scheme": 2, "conserve": 2}
+    assert float(T.max() - T.min()) < 1e-3
+
+
+def test_a_study_without_new_fields_keeps_its_parameters(load):
+    time = json.loads(load().run("cooling", "e~0.2").parameters())["time"]
+    assert time == {"t_final": 0.5, "dt": 0.05, "save_every": 10}
