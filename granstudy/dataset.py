@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 
 from granstudy import theory
+from granstudy.health import Trust, verdict
 from granstudy.kernel import sphere_area
 from granstudy.moments import COMPONENTS, DIMENSIONS, FRAME_LONG_NAMES, LONG_NAMES
 from granstudy.scene import Scene
@@ -92,6 +93,7 @@ def evolution_dataset(
     reason: str,
     warnings: list[str],
     plans: Sequence[dict[str, Any]] = (),
+    health_outputs: Sequence[dict[str, float]] = (),
 ) -> xr.Dataset:
     """Dataset of a simulation: moments over ``time``, densities over ``snapshot``, status.
 
@@ -102,7 +104,8 @@ def evolution_dataset(
     two errors: `temperature_error`, of the temperature divided by the density, against the law with that
     density; and `paper_temperature_error`, the paper's measure, of 2E/d against the law of unit density.
     Both laws start from the discrete initial value. ``plans`` are the quadratures that a tolerance came to,
-    each with the time it was in use from; they become the attribute `quadrature`.
+    each with the time it was in use from; they become the attribute `quadrature`. ``health_outputs``, those
+    of the run's `granstudy.examination.Examination`, become variables over ``time`` and the label `trust`.
     """
     rescaled = settings.frame == "rescaled"
     time = np.array(times)
@@ -140,7 +143,45 @@ def evolution_dataset(
             ds[f"{name}_error"] = ("time", error, {"long_name": long_name, "units": "1"})
     if snapshots:
         ds = ds.assign(_densities(grid, snapshots, rescaled))
+    ds = ds.assign(_health(list(health_outputs), reason))
     return _finish(ds, scene, solver, settings, status, reason, warnings, "evolution", plans)
+
+
+def _health(outputs: list[dict[str, float]], stopped: str) -> dict[str, Any]:
+    """What was measured at every output, and the label that comes of it."""
+    variables: dict[str, Any] = {
+        variable: (
+            "time",
+            [output[name] for output in outputs],
+            {"long_name": long_name, "units": "1"},
+        )
+        for name, (variable, long_name) in HEALTH_NAMES.items()
+        if outputs and name in outputs[-1]
+    }
+    trust, reasons = verdict(outputs, stopped)
+    variables["trust"] = (
+        (),
+        np.int8(trust),
+        {
+            "long_name": "how far temperature and kurtosis can be trusted",
+            "flag_values": np.array([t.value for t in Trust], dtype=np.int8),
+            "flag_meanings": " ".join(t.name.lower() for t in Trust),
+            "reasons": "\n".join(reasons),
+        },
+    )
+    return variables
+
+
+HEALTH_NAMES = {
+    "temperature": ("temperature_error_estimate", "estimated relative error of T"),
+    "a2": ("a2_error_estimate", "estimated error of a2"),
+    "mass_drift": ("mass_drift", "|ρ/ρ(0) − 1|"),
+    "momentum_drift": ("momentum_drift", "change of the bulk velocity over the thermal speed"),
+    "edge": ("edge", "largest |f| at the grid's border over max f"),
+    "tail": ("spectral_tail", "part of ∫f² in the upper quarter of the wavenumbers"),
+    "step_ratio": ("step_ratio", "step over the largest that is stable for certain"),
+}
+"""Variable and long name of what is measured of a run's health; the least density is `minimum`."""
 
 
 def _densities(

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,15 +14,17 @@ from granstudy import health
 from granstudy.collision import CollisionOperator, collision_operator, concrete
 from granstudy.conservation import check_conserve, projection
 from granstudy.dataset import Status, evolution_dataset
+from granstudy.examination import Examination
 from granstudy.fixed_frame import FixedFrame
+from granstudy.kernel import Restitution
 from granstudy.moments import moment_values
 from granstudy.representation import collisions, representation
 from granstudy.rescaled_frame import Centred, RescaledFrame
-from granstudy.scaled_restitution import scaled_collisions
+from granstudy.scaled_restitution import ScaledRestitution, scaled_collisions
 from granstudy.scene import Scene
 from granstudy.schemes import SCHEMES
 from granstudy.solver import Solver
-from granstudy.stability import largest_frequency, step_warning
+from granstudy.stability import largest_frequency, stability_limit, step_warning
 from granstudy.stepping import AdaptiveSteps, FixedSteps, StoppedError
 from granstudy.time_settings import TimeSettings
 from granstudy.tuning import Tuning
@@ -96,6 +99,7 @@ def simulate(
     grid, equation, steps = run.operator.grid, run.equation, run.steps
 
     tuning = Tuning(run.operator)
+    examination = Examination(scene, grid, steps.outputs)
     found: dict[str, str] = {}
     times_reached: list[float] = []
     history: list[Moments] = []
@@ -125,9 +129,15 @@ def simulate(
                         snapshots[time] = f.copy()
                     times_reached.append(time)
                     history.append(equation.record(values, state))
-                    density0 = history[0]["density"]
-                    texts |= health.warnings(f, values, density0, grid)
-                    texts |= _step_warnings(scene, settings, run, state, history)
+                    texts |= examination.look(
+                        f,
+                        values,
+                        equation.clock(state, time),
+                        partial(equation.collisions, state),
+                        restitution=_restitution(scene, history[-1]),
+                        steps_of_order_3=settings.dt is not None,
+                    )
+                    texts |= _step_health(scene, settings, run, state, history, examination)
                     bar.update()
                 for name, text in texts.items():
                     found.setdefault(name, f"from t = {time:g}: {text}")
@@ -135,7 +145,7 @@ def simulate(
             status, reason = Status.DIVERGED, str(stopped)
     ds = evolution_dataset(
         scene, solver, settings, grid, times_reached, history, snapshots, status, reason,
-        list(found.values()), tuning.plans,
+        list(found.values()), tuning.plans, examination.outputs,
     )  # fmt: skip
     if isinstance(steps, AdaptiveSteps):
         ds.attrs["steps"] = json.dumps(steps.describe())
@@ -204,20 +214,34 @@ def centred(scene: Scene, solver: Solver) -> tuple[Scene, np.ndarray]:
     return replace(scene, initial=initial), u
 
 
-def _step_warnings(
-    scene: Scene, settings: TimeSettings, run: _Prepared, state: np.ndarray, history: list[Moments]
+def _restitution(scene: Scene, values: Moments) -> Restitution:
+    """That of the particles as the grid holds them: a law of the speed counts in the frame's."""
+    if callable(scene.restitution):
+        scale = float(values.get("velocity_scale", 1.0))
+        return ScaledRestitution(scene.restitution, scale)
+    return scene.restitution
+
+
+def _step_health(
+    scene: Scene,
+    settings: TimeSettings,
+    run: _Prepared,
+    state: np.ndarray,
+    history: list[Moments],
+    examination: Examination,
 ) -> dict[str, str]:
-    """Whether a step of fixed size is above what the scheme is stable with."""
+    """Record a step of fixed size over what is stable; say so where it is more."""
     if settings.dt is None:
         return {}
     grid = run.operator.grid
     scales = [float(values.get("velocity_scale", 1.0)) for values in history[-2:]]
     frequency = largest_frequency(scene.kernel, scene.dim, grid.R, float(history[-1]["density"]))
-    return step_warning(
-        settings.dt,
+    limit = stability_limit(
         settings.scheme,
         grid,
         diffusion=run.equation.diffusivity(state),
         collision_frequency=scales[-1] ** scene.kernel.exponent * frequency,
         dilation_rate=float(np.log(scales[-1] / scales[0])) / settings.dt,
     )
+    examination.outputs[-1]["step_ratio"] = settings.dt / limit
+    return step_warning(settings.dt, settings.scheme, limit)
