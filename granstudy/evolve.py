@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -19,7 +19,7 @@ from granstudy.fixed_frame import FixedFrame
 from granstudy.kernel import Restitution
 from granstudy.moments import moment_values
 from granstudy.representation import collisions, representation
-from granstudy.rescaled_frame import Centred, RescaledFrame
+from granstudy.rescaled_frame import RescaledFrame, centred
 from granstudy.scaled_restitution import ScaledRestitution, scaled_collisions
 from granstudy.scene import Scene
 from granstudy.schemes import SCHEMES
@@ -198,20 +198,6 @@ def _prepare(scene: Scene, solver: Solver, settings: TimeSettings) -> _Prepared:
     else:
         steps = AdaptiveSteps(equation, made, settings.outputs, settings.time_rtol)
     return _Prepared(operator, equation, steps, equation.start(scene.density(operator.grid)))
-
-
-def centred(scene: Scene, solver: Solver) -> tuple[Scene, np.ndarray]:
-    """The scene seen from its bulk velocity u on the solver's grid, and u."""
-    grid = solver.grid(scene.dim)
-    m = grid.velocity_moments(scene.density(grid))
-    u = m.momentum / m.density
-    thermal = np.sqrt(np.trace(m.pressure) / (scene.dim * m.density))
-    # Round-off is no velocity: symmetric densities keep their digits.
-    u = np.where(np.abs(u) > 1e-10 * thermal, u, 0.0)
-    if not u.any():
-        return scene, u
-    initial = Centred(scene.initial, tuple(map(float, u)))  # type: ignore[arg-type]
-    return replace(scene, initial=initial), u
 
 
 def _restitution(scene: Scene, values: Moments) -> Restitution:

@@ -1,7 +1,7 @@
 """The equation on velocities that shrink and move with the gas (docs/method.md §5)."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,6 +9,8 @@ import numpy as np
 from granstudy.initial import InitialDensity
 from granstudy.physical import physical_moments
 from granstudy.representation import Representation, Term, relative_change
+from granstudy.scene import Scene
+from granstudy.solver import Solver
 
 ScaledCollisions = Callable[[np.ndarray, float], np.ndarray]
 """(g, θ) ↦ Q(g,g) of particles whose restitution is e(θ|g·ω|)."""
@@ -117,7 +119,7 @@ class RescaledFrame:
 
     def diffusivity(self, state: np.ndarray) -> float:
         """εθ^{−2}."""
-        return float(self._epsilon * np.exp(-2 * self.place(state).log_scale))
+        return float(self._epsilon * np.exp(-2 * self._split(state)[1].log_scale))
 
     def laplacian_functions(self, x: float, terms: Sequence[Term]) -> np.ndarray:
         """Σ φ(xΔ) state over the terms; θ, τ and u_f do not diffuse."""
@@ -128,12 +130,12 @@ class RescaledFrame:
         return np.concatenate([g.ravel(), rest])
 
     def density(self, state: np.ndarray) -> np.ndarray:
-        """G at the nodes c."""
+        """The density g at the nodes c."""
         return self.form.density(self._split(state)[0])
 
     def record(self, values: dict[str, Any], state: np.ndarray) -> dict[str, Any]:
         """Moments of f from those of g, and where the frame is."""
-        place = self.place(state)
+        _, place = self._split(state)
         theta = float(np.exp(place.log_scale))
         return physical_moments(values, theta, place.velocity) | {
             "velocity_scale": theta,
@@ -144,7 +146,7 @@ class RescaledFrame:
     def relative_size(self, change: np.ndarray, state: np.ndarray) -> float:
         """Largest of the sizes of the changes of g (`relative_change`), of log θ, and of u_f over θ."""
         size = relative_change(self.form, self._split(change)[0], self._split(state)[0])
-        moved = np.abs(change[self._nodes + 2 :]) * np.exp(-self.place(state).log_scale)
+        moved = np.abs(change[self._nodes + 2 :]) * np.exp(-self._split(state)[1].log_scale)
         return float(max(size, np.abs(change[self._nodes]), *moved))
 
     def symmetrise(self, state: np.ndarray) -> np.ndarray:
@@ -152,11 +154,8 @@ class RescaledFrame:
         g = self.form.symmetrise(self._split(state)[0])
         return np.concatenate([g.ravel(), state[self._nodes :]])
 
-    def place(self, state: np.ndarray) -> Place:
-        """What a state holds beside g."""
-        return self._split(state)[1]
-
     def _split(self, state: np.ndarray) -> tuple[np.ndarray, Place]:
+        """The state of g, and what stands beside it."""
         log_scale, collision_time, *velocity = state[self._nodes :].real
         u = np.array(velocity) if self._moving else self._velocity
         place = Place(float(log_scale), float(collision_time), u)
@@ -165,6 +164,7 @@ class RescaledFrame:
     def _join(
         self, g: np.ndarray, log_scale: float, collision_time: float, velocity: np.ndarray
     ) -> np.ndarray:
+        """One array of both."""
         rest = [log_scale, collision_time, *(velocity if self._moving else ())]
         return np.concatenate([g.ravel(), rest])
 
@@ -198,3 +198,17 @@ class Centred:
     def __call__(self, *c: np.ndarray) -> np.ndarray:
         """Density at the velocities c."""
         return self.initial(*(ci + ui for ci, ui in zip(c, self.centre, strict=True)))
+
+
+def centred(scene: Scene, solver: Solver) -> tuple[Scene, np.ndarray]:
+    """The scene seen from its bulk velocity u on the solver's grid, and u."""
+    grid = solver.grid(scene.dim)
+    m = grid.velocity_moments(scene.density(grid))
+    u = m.momentum / m.density
+    thermal = np.sqrt(np.trace(m.pressure) / (scene.dim * m.density))
+    # Round-off is no velocity: symmetric densities keep their digits.
+    u = np.where(np.abs(u) > 1e-10 * thermal, u, 0.0)
+    if not u.any():
+        return scene, u
+    initial = Centred(scene.initial, tuple(map(float, u)))  # type: ignore[arg-type]
+    return replace(scene, initial=initial), u

@@ -43,3 +43,47 @@ def test_wavenumbers_are_in_the_order_of_the_transform(dim):
     spectrum = np.abs(np.fft.fftn(wave)) / wave.size
     assert spectrum[(2, -3, 1)[:dim]] == pytest.approx(1.0)
     assert spectrum.sum() == pytest.approx(1.0)
+
+
+def gaussian(grid, u=0.4, T=1.2):
+    """A Gaussian that moves along the first axis."""
+    c = [v - (u if i == 0 else 0.0) for i, v in enumerate(grid.velocities())]
+    return np.exp(-sum(ci**2 for ci in c) / (2 * T)), c, T
+
+
+@pytest.mark.parametrize(("dim", "N"), [(2, 40), (3, 32)])
+def test_derivatives_and_dilation_are_exact_for_what_the_grid_holds(dim, N):
+    grid = gs.VelocityGrid(dim, N, 8.0)
+    f, c, T = gaussian(grid)
+    tolerance = 1e-9 if dim == 2 else 1e-6
+    for slope, ci in zip(grid.gradient(f), c, strict=True):
+        assert np.max(np.abs(slope + ci / T * f)) < tolerance
+    v = grid.velocities()
+    dilated = dim * f - sum(vi * ci for vi, ci in zip(v, c, strict=True)) / T * f
+    assert np.max(np.abs(grid.dilation(f) - dilated)) < 10 * tolerance
+    # complex states, of the literal method
+    assert np.max(np.abs(grid.dilation(f * (1 + 2j)) - (1 + 2j) * grid.dilation(f))) < 1e-12
+
+
+@pytest.mark.parametrize("N", [16, 32])
+def test_dilation_neither_grows_nor_piles_up(N):
+    """In L² it grows by d/2, as on an unbounded space, whatever lies at the border."""
+    grid = gs.VelocityGrid(2, N, 8.0)
+    f = np.random.default_rng(0).normal(size=grid.shape)
+    assert np.sum(f * grid.dilation(f)) == pytest.approx(np.sum(f * f), rel=1e-12)
+    assert 0.7 * np.pi * N / 2 < grid.largest_dilation < 1.5 * np.pi * N / 2
+
+
+def test_functions_of_the_laplacian():
+    grid = gs.VelocityGrid(2, 40, 8.0)
+    f, _, T = gaussian(grid)
+    later = gaussian(grid, T=T + 0.2)[0] * T / (T + 0.2)
+    assert np.max(np.abs(grid.laplacian_functions(0.1, [(np.exp, f)]) - later)) < 1e-9
+    both = grid.laplacian_functions(0.1, [(np.exp, f), (np.exp, -2 * f)])
+    assert np.max(np.abs(both + later)) < 1e-9
+    wave = np.cos(20 * np.pi * (grid.velocities()[0] - grid.nodes[0]) / grid.L) * np.ones(
+        grid.shape
+    )
+    wave *= np.cos(20 * np.pi * (grid.velocities()[1] - grid.nodes[0]) / grid.L)
+    ratio = np.sum(wave * grid.laplacian(wave)) / np.sum(wave**2)
+    assert ratio == pytest.approx(-grid.largest_laplacian, rel=1e-12)

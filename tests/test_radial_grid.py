@@ -124,3 +124,16 @@ def test_other_grids_and_shapes():
         grid.from_cartesian(np.ones(8), gs.VelocityGrid(3, 8, 7.0))
     with pytest.raises(ValueError, match="grid has dim 3: the scene has dim 2"):
         bkw(2).density(grid)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_dilation_and_functions_of_the_laplacian(dim):
+    grid = gs.RadialGrid(dim, 32, 8.0)
+    r, T = grid.nodes, 0.8
+    f = np.exp(-(r**2) / (2 * T))
+    assert np.max(np.abs(grid.dilation(f) - (dim - r**2 / T) * f)) < 1e-12
+    assert abs(grid.weights @ grid.dilation(f)) < 1e-11
+    later = np.exp(-(r**2) / (2 * (T + 0.2))) * (T / (T + 0.2)) ** (dim / 2)
+    assert np.max(np.abs(grid.laplacian_functions(0.1, [(np.exp, f)]) - later)) < 1e-12
+    assert np.min(np.linalg.eigvals(grid.dilation(np.eye(32))).real) > 0.0
+    assert grid.gradient(f) == [] and len(grid.invariants()["momentum"]) == 0
