@@ -135,6 +135,7 @@ def simulate(
                         equation.clock(state, time),
                         partial(equation.collisions, state),
                         restitution=_restitution(scene, history[-1]),
+                        heating=_heating(scene, equation.diffusivity(state), history[-1], values),
                         steps_of_order_3=settings.dt is not None,
                     )
                     texts |= _step_health(scene, settings, run, state, history, examination)
@@ -206,6 +207,12 @@ def _restitution(scene: Scene, values: Moments) -> Restitution:
         scale = float(values.get("velocity_scale", 1.0))
         return ScaledRestitution(scene.restitution, scale)
     return scene.restitution
+
+
+def _heating(scene: Scene, diffusivity: float, record: Moments, values: Moments) -> float:
+    """2ε/T a unit of the collisions' time, of what the grid holds."""
+    scale = float(record.get("velocity_scale", 1.0))
+    return float(2.0 * diffusivity / (values["temperature"] * scale**scene.kernel.exponent))
 
 
 def _step_health(

@@ -14,8 +14,10 @@ from granstudy.velocity_space import VelocitySpace
 BALANCES = 20
 """Balances in a run, about: each takes an evaluation of Q, and transforms of twice the box."""
 
-RELAXATION = 0.5
-"""The shape relaxes at this part of the collision frequency at the most."""
+FASTEST = 0.5
+SLOWEST = {2: 1 / 64, 3: 1 / 24}
+"""Parts of the collision frequency that the shape relaxes at, at the most and at the least: a2 of Maxwell
+molecules at e = 0 (docs/theory.md)."""
 
 
 class Imbalance(NamedTuple):
@@ -95,6 +97,7 @@ class Examination:
         Q: Callable[[], np.ndarray],
         *,
         restitution: Any,
+        heating: float,
         steps_of_order_3: bool,
     ) -> dict[str, str]:
         """Examine an output; returns what there is to say, by name.
@@ -109,6 +112,8 @@ class Examination:
             Q(f,f), a unit of that time.
         restitution : float or callable
             Of the particles as the grid holds them.
+        heating : float
+            2ε/T, a unit of that time: what is there is forgotten at that rate.
         steps_of_order_3 : bool
             Whether the way from the output before was one step of a size that nothing controls.
         """
@@ -116,25 +121,32 @@ class Examination:
         self._first = self._first or values
         step, self._clock = clock - self._clock, clock
         if number % self._every == 0 or number == self._last:
-            self._balance(f, Q(), restitution)
+            self._balance(f, Q(), restitution, heating)
         now = self._imbalance
         assert now is not None
         if steps_of_order_3 and number > 0:
             # one step h at a rate r is off by (rh)⁴/24
             self._temperature += (now.cooling * step) ** 4 / 24.0
-            self._a2 += (RELAXATION * now.frequency * step) ** 4 / 24.0
+            self._a2 += (FASTEST * now.frequency * step) ** 4 / 24.0
         output = health.state_of_health(f, values, self._first, self._grid)
         output |= {"temperature": self._temperature, "a2": self._a2}
         self.outputs.append(output)
         return health.warnings(output)
 
-    def _balance(self, f: np.ndarray, Q: np.ndarray, restitution: Any) -> None:
-        """Add what T and a2 went astray since the balance before, by the trapezoidal rule."""
+    def _balance(self, f: np.ndarray, Q: np.ndarray, restitution: Any, heating: float) -> None:
+        """Add what T and a2 went astray since the balance before, by the trapezoidal rule.
+
+        An error of T decays relative to T, as T' goes as −T^{1+λ/2} + 2ε; one of the shape relaxes.
+        """
         if self._rates is None or callable(restitution):
             self._rates = CollisionRates(replace(self._scene, restitution=restitution), self._grid)
         before, self._imbalance = self._imbalance, imbalance(self._rates, f, Q)
         before = before or self._imbalance
         elapsed, self._balanced_at = self._clock - self._balanced_at, self._clock
         now = self._imbalance
+        forgetting = heating - self._scene.kernel.exponent / 2 * now.cooling
+        self._temperature *= np.exp(-elapsed * forgetting)
         self._temperature += elapsed * (abs(before.temperature) + abs(now.temperature)) / 2
+        relaxing = 2 * heating + SLOWEST[self._grid.dim] * now.frequency
+        self._a2 *= np.exp(-elapsed * relaxing)
         self._a2 += elapsed * (abs(before.a2) + abs(now.a2)) / 2

@@ -115,7 +115,7 @@ class RescaledFrame:
 
     def clock(self, state: np.ndarray, time: float) -> float:
         """The collisions' time: τ."""
-        return self.place(state).collision_time
+        return self._split(state)[1].collision_time
 
     def diffusivity(self, state: np.ndarray) -> float:
         """εθ^{−2}."""
