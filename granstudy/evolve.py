@@ -56,7 +56,7 @@ def simulate(
         Size of every step, of which ``t_final`` must be a whole number; each is an output.
     time_rtol : float, optional
         In place of ``dt``: steps of any size, each with an estimated error of at most so much of the
-        density's largest value (in a rescaled frame also of T, twice).
+        density's largest value and of its fourth moment (in a rescaled frame also of √T).
     times : array_like, optional
         With ``time_rtol``: times of the outputs, positive and increasing, beside 0 and ``t_final``. By
         default 10 a decade from 0.01 on (or a hundredth of ``t_final``).
