@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -55,6 +56,12 @@ def simulate(
     steps = step_count(t_final, dt)
     if save_every is not None and (not isinstance(save_every, int) or save_every < 1):
         raise ValueError(f"save_every={save_every!r}: must be a positive integer or None")
+    if solver.method == "dsmc":
+        # Imported here, as the code of particles is no part of other runs.
+        particles = import_module("granstudy.particles.simulation")
+        times = dt * np.arange(steps + 1)
+        ds = particles.simulate_particles(scene, solver, times, save_every, progress)
+        return ds.assign_coords(dt=dt)
     choice = concrete(scene, solver)
     solver = choice.solver
     operator = collision_operator(scene, solver)

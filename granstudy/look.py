@@ -12,10 +12,19 @@ METHOD_COLOURS = {
     "carleman": "#009E73",
     "direct": "#0072B2",
     "radial": "#E69F00",
+    "dsmc": "#999999",
 }
 """A method has the same colour in every figure."""
 
-METHODS_FIRST = {"direct": 0, "literal": 1, "fast": 2, "fast, rtol": 3, "carleman": 4, "radial": 5}
+METHODS_FIRST = {
+    "direct": 0,
+    "literal": 1,
+    "fast": 2,
+    "fast, rtol": 3,
+    "carleman": 4,
+    "radial": 5,
+    "dsmc": 6,
+}
 """From the slowest to the fastest, as a legend lists them."""
 
 MARKERS = ("o", "s", "^", "D")

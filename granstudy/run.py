@@ -14,6 +14,8 @@ from granstudy.cost import Cost, estimate
 from granstudy.evolve import step_count
 from granstudy.isotropy import check_isotropic
 from granstudy.kernel import VHS, Viscoelastic, check_restitution, sphere_area
+from granstudy.particles.cost import particle_cost
+from granstudy.particles.restitution_table import alpha_table
 from granstudy.scene import Scene, load_scene
 from granstudy.solver import TAKES_RTOL, Choice, Solver
 from granstudy.study_file import Experiment, SolverModel, TimingModel, ViscoelasticModel
@@ -131,7 +133,7 @@ class Run:
 
     @property
     def evaluations(self) -> int:
-        """Evaluations of Q that the run makes: three a step of the Runge–Kutta scheme."""
+        """Evaluations of Q that the run makes: three a step of the Runge–Kutta scheme (none by `dsmc`)."""
         if self.model.time is None:
             return 1
         assert self.dt is not None
@@ -152,12 +154,21 @@ class Run:
     @cached_property
     def cost(self) -> Cost:
         """Estimated seconds and memory of the run."""
+        if self.solver.method == "dsmc":
+            assert self.model.time is not None and self.dt is not None
+            t_final = self.model.time.t_final
+            records = step_count(t_final, self.dt) + 1
+            return particle_cost(self.scene, self.solver, t_final, records)[0]
         return estimate(self.scene, self.choice.solver, self.evaluations)
 
     def check(self) -> None:
         """Raise ValueError for anything that would stop the run later."""
         if self.solver.N is None and self.model.run == "benchmark":
             raise ValueError("N=None: benchmark runs need N and R")
+        _ = self.evaluations  # t_final must be a whole number of steps
+        if self.solver.method == "dsmc":
+            self._check_particles()
+            return
         solver = self.choice.solver
         check_restitution(self.scene.restitution, solver.R)
         radial = solver.method == "radial"
@@ -176,7 +187,13 @@ class Run:
                     f"method {solver.method!r}: has other velocity nodes than its reference's "
                     f"method {other!r}; a collision run and its reference must share them"
                 )
-        _ = self.evaluations  # t_final must be a whole number of steps
+
+    def _check_particles(self) -> None:
+        if self.model.run != "evolution":
+            raise ValueError(
+                f"method='dsmc': has no collision operator for {self.model.run} runs, only evolution runs"
+            )
+        alpha_table(self.scene.restitution, self.solver.R)
 
     def parameters(self) -> str:
         """All that the run depends on, as canonical JSON."""

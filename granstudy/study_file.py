@@ -20,6 +20,9 @@ SWEPT = (
     "M_sph",
     "M_cir",
     "rtol",
+    "particles",
+    "batches",
+    "seed",
     "variant",
     "method",
     "sphere_rule",
@@ -73,6 +76,11 @@ class SolverModel(_Model):
         Field(description="tolerance of Q's quadrature error, in place of N_rho, M_.."),
     ] = None
     circular: bool | None = None
+    particles: Annotated[int | None, Field(description="of method dsmc, all batches together")] = (
+        None
+    )
+    batches: Annotated[int | None, Field(description="of method dsmc; default 20")] = None
+    seed: Annotated[int | None, Field(description="of method dsmc; default 0")] = None
 
 
 class TimeModel(_Model):
