@@ -145,19 +145,27 @@ def particle_dataset(
     `<name>_by_batch`. The exact temperature law and `temperature_error`, the distance from it, are those of
     `evolution_dataset`.
     """
-    ds = xr.Dataset(coords={"time": ("time", times, {"long_name": "time t", "units": "1"})})
     components = list(COMPONENTS[: grid.dim])
-    ds = ds.assign_coords(component=components, component_=components)
     long_names = LONG_NAMES | {"collisions": "collisions that a particle has had"}
+    data: dict[str, Any] = {}
     for name, values in by_batch.items():
         dims = ("time", *DIMENSIONS.get(name, ()))
-        long_name = long_names[name]
-        ds[name] = (dims, values.mean(axis=0), {"long_name": long_name, "units": "1"})
+        attributes = {"long_name": long_names[name], "units": "1"}
+        data[name] = (dims, values.mean(axis=0), attributes)
         attributes = {"long_name": f"standard error of {name} over batches", "units": "1"}
-        ds[f"{name}_standard_error"] = (dims, standard_error(values), attributes)
+        data[f"{name}_standard_error"] = (dims, standard_error(values), attributes)
         if name in BY_BATCH:
-            attributes = {"long_name": f"{long_name}, of each batch", "units": "1"}
-            ds[f"{name}_by_batch"] = (("time", "batch"), values.T, attributes)
+            attributes = {"long_name": f"{long_names[name]}, of each batch", "units": "1"}
+            data[f"{name}_by_batch"] = (("time", "batch"), values.T, attributes)
+    ds = xr.Dataset(
+        data,
+        coords={
+            "time": ("time", times, {"long_name": "time t", "units": "1"}),
+            "component": components,
+            "component_": components,
+            "batch": np.arange(solver.batches),
+        },
+    )
     _add_exact_law(ds, scene)
     ds = _with_snapshots(ds, grid, snapshots)
     return _finish(ds, scene, solver, None, status, reason, warnings, "particles", ())

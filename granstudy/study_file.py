@@ -22,7 +22,6 @@ SWEPT = (
     "rtol",
     "particles",
     "batches",
-    "seed",
     "variant",
     "method",
     "sphere_rule",

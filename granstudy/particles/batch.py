@@ -89,6 +89,8 @@ class Batch:
         u = (gas.velocity + mean)[:d]
         temperature = np.trace(second) / d
         energy = 0.5 * gas.density * (d * temperature + u @ u)
+        with np.errstate(invalid="ignore", divide="ignore"):  # of a gas at rest
+            kurtosis_excess = fourth / (d * (d + 2) * temperature**2) - 1.0
         return {
             "density": gas.density,
             "velocity": u,
@@ -96,7 +98,7 @@ class Batch:
             "temperature": temperature,
             "paper_temperature": 2.0 * energy / d,
             "pressure": gas.density * second[:d, :d],
-            "a2": fourth / (d * (d + 2) * temperature**2) - 1.0,
+            "a2": kurtosis_excess,
             "collisions": 2.0 * self.collisions / len(self.c),
         }
 

@@ -46,10 +46,19 @@ def squared_length(c, i):
 
 
 @_compile
-def largest_squared(c):
-    """Largest |c_i|²."""
+def recentre(c):
+    """Take off the mean, which is round-off, before a gas cools down to it; largest |c_i|² left."""
+    x = y = z = 0.0
+    for i in range(c.shape[0]):
+        x += c[i, 0]
+        y += c[i, 1]
+        z += c[i, 2]
+    x, y, z = x / c.shape[0], y / c.shape[0], z / c.shape[0]
     largest = 0.0
     for i in range(c.shape[0]):
+        c[i, 0] -= x
+        c[i, 1] -= y
+        c[i, 2] -= z
         largest = max(largest, squared_length(c, i))
     return largest
 
@@ -66,7 +75,7 @@ def collide(c, dim, rng, duration, rate, exponent, alphas, top):
     Parameters
     ----------
     c : ndarray, shape (n, 3)
-        Velocities about any common velocity; the nearer it is to the mean, the smaller is G.
+        Velocities about their mean.
     alphas, top : ndarray, float
         `granstudy.particles.restitution_table`.
 
@@ -76,7 +85,7 @@ def collide(c, dim, rng, duration, rate, exponent, alphas, top):
         Collisions, and the largest normal impact speed |g·ω| of one (0 for constant e).
     """
     n = c.shape[0]
-    largest = largest_squared(c)
+    largest = recentre(c)
     bound = power(4.0 * largest, exponent)
     candidates = n
     collisions = 0
@@ -117,7 +126,7 @@ def collide(c, dim, rng, duration, rate, exponent, alphas, top):
         candidates -= 1
         if candidates == 0:
             candidates = n
-            largest = largest_squared(c)
+            largest = recentre(c)
             bound = power(4.0 * largest, exponent)
 
 
