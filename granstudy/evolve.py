@@ -34,7 +34,8 @@ def simulate(
     Parameters
     ----------
     t_final, dt : float
-        Final time and step; ``t_final`` must be a whole number of steps.
+        Final time and step; ``t_final`` must be a whole number of steps. By `dsmc`, dt is the time between
+        records of the moments.
     save_every : int, optional
         Keep the density every so many steps, with the first and the last; by default none is kept.
     progress : bool, optional

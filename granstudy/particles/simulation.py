@@ -9,13 +9,15 @@ import numpy as np
 import xarray as xr
 from tqdm import tqdm
 
-from granstudy import health
 from granstudy.dataset import Status, particle_dataset, standard_error
 from granstudy.grid import VelocityGrid
 from granstudy.particles.batch import Batch, Gas, HardImpactError, history
 from granstudy.particles.sampling import Sampler, quiet
 from granstudy.scene import Scene
 from granstudy.solver import Solver
+
+LEAST_TEMPERATURE = 1e-150
+"""Below this fourth powers of velocities are no floating-point numbers."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,8 @@ def simulate_particles(
     Raises
     ------
     ValueError
-        For a bad scene, solver or time, before any work starts.
+        For a bad scene, solver or time, before any work starts; and for a run that ends before the
+        first of its times.
     """
     if solver.method != "dsmc":
         raise ValueError(f"method={solver.method!r}: simulate_particles needs method 'dsmc'")
@@ -110,21 +113,21 @@ def _dataset(
     times: np.ndarray,
     records: list[Record],
 ) -> xr.Dataset:
-    """The batches together, up to the time that all of them reached in good health."""
+    """The batches together, up to the time that all of them reached."""
     count = min(len(record.moments) for record in records)
     reason = next((r.reason for r in records if r.reason and len(r.moments) == count), "")
     by_batch = {
         name: np.array([[values[name] for values in r.moments[:count]] for r in records])
         for name in records[0].moments[0]
     }
-    for k in range(count):
-        with np.errstate(invalid="ignore"):
-            failed = health.failure({name: v[:, k].mean(axis=0) for name, v in by_batch.items()})
-        if failed:
-            count, reason = k, failed
-            break
+    at_rest = np.flatnonzero(by_batch["temperature"].min(axis=0) < LEAST_TEMPERATURE)
+    if at_rest.size:
+        count = int(at_rest[0])
+        reason = f"the temperature fell below {LEAST_TEMPERATURE:g}: the gas is at rest"
     if reason:
         reason = f"t = {times[count]:g}: {reason}"
+        if count == 0:
+            raise ValueError(f"{reason}; nothing was recorded before")
     reached = times[:count]
     assert solver.particles is not None
     per_particle = gas.density / (solver.particles * grid.cell)
@@ -135,7 +138,7 @@ def _dataset(
     }
     by_batch = {name: values[:, :count] for name, values in by_batch.items()}
     status = Status.DIVERGED if reason else Status.OK
-    warnings = bias_warning(by_batch["a2"], scene.dim, solver)
+    warnings = bias_warning(by_batch["a2"][:, reached > 0.0], scene.dim, solver)
     return particle_dataset(
         scene, solver, grid, reached, by_batch, snapshots, status, reason, warnings
     )
@@ -146,9 +149,9 @@ def bias_warning(a2: np.ndarray, dim: int, solver: Solver) -> list[str]:
     assert solver.particles is not None
     bias = 2.0 * solver.batches / (dim * solver.particles)
     error = standard_error(a2)
-    if not np.any(error[1:] < bias):
+    if not np.any(error < bias):
         return []
     return [
         f"a2 has a bias of about {bias:.1e} from the finite number of particles in a batch, above its "
-        f"standard error {np.min(error[1:]):.1e}: take fewer batches or more particles"
+        f"standard error {np.min(error):.1e}: take fewer batches or more particles"
     ]

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import granstudy as gs
-from granstudy.particles.restitution_table import alpha_at, alpha_table
+from granstudy.particles.collisions import alpha_at
+from granstudy.particles.restitution_table import alpha_table
 
 
 def at(speeds, law, R=7.0):
