@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import math
 import os
 from dataclasses import dataclass
 from typing import Any
@@ -12,6 +13,11 @@ from granstudy.grid import VelocityGrid, check_node_count, check_point_count, ch
 METHODS = ("auto", "literal", "direct", "fast", "radial", "carleman", "dsmc")
 VARIANTS = ("full", "separate")
 RADIAL_RULES = ("legendre", "jacobi")
+
+PRECISIONS = ("double", "single")
+
+ONLY_FAST = {"precision": "single", "dealias": True}
+"""Fields with the value that `fast` alone takes; where `auto` takes another method, it runs without."""
 
 CHOSEN_BY_RTOL = {"N_rho", "M_sph", "M_cir", "sphere_rule", "radial_rule"}
 """Fields that a tolerance takes the place of."""
@@ -72,6 +78,12 @@ class Solver:
         For `dsmc`: independent batches, at least 2, whose spread gives the standard errors.
     seed : int
         For `dsmc`: of the random numbers. The same seed gives the same bytes, whatever ``threads``.
+    dealias : bool
+        For `fast`, and `auto`: form the products on a grid of 3N/2 points a dimension, so that nothing wraps
+        around the spectrum; about three times the time.
+    precision : str
+        For `fast`, and `auto`: ``double``, or ``single`` for the transforms and loops of the gain's nodes,
+        about twice as fast, with a round-off of some 1e-7 of max|Q⁺|.
     threads : int or None
         Threads to use, None for one a core. Results do not depend on it.
 
@@ -95,6 +107,8 @@ class Solver:
     particles: int | None = None
     batches: int = 20
     seed: int = 0
+    dealias: bool = False
+    precision: str = "double"
     threads: int | None = None
 
     def __post_init__(self) -> None:
@@ -117,9 +131,11 @@ class Solver:
             ("variant", VARIANTS),
             ("method", METHODS),
             ("radial_rule", RADIAL_RULES),
+            ("precision", PRECISIONS),
         ):
             if getattr(self, field) not in allowed:
                 raise unknown_name(field, getattr(self, field), allowed)
+        self._check_only_fast()
         if self.rtol is not None:
             self._check_rtol(self.rtol)
         self._check_particles()
@@ -132,6 +148,15 @@ class Solver:
                 )
         if self.N is not None or self.R is not None:
             raise ValueError(f"N={self.N!r}, R={self.R!r}: rtol chooses both; give both or neither")
+
+    def _check_only_fast(self) -> None:
+        if not isinstance(self.dealias, bool):
+            raise ValueError(f"dealias={self.dealias!r}: must be True or False")
+        for field, value in ONLY_FAST.items():
+            if getattr(self, field) == value and self.method not in ("auto", "fast"):
+                raise ValueError(
+                    f"{field}={value!r}: only methods 'auto' and 'fast' take it, not {self.method!r}"
+                )
 
     def _check_rtol(self, rtol: object) -> None:
         if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 0.0 < rtol < 1.0:
@@ -180,6 +205,15 @@ class Solver:
         """Whether it leaves the method or the grid to be chosen for a scene."""
         return self.method == "auto" or self.N is None
 
+    @property
+    def product_points(self) -> int:
+        """Points a dimension on which `fast` forms products: N, or 3N/2 and even where they are padded.
+
+        Two spectra of modes up to N/2 have a product with modes up to N; on 3N/2 points those above N wrap
+        around to modes of N/2 and more, which are dropped.
+        """
+        return 2 * math.ceil(3 * self.N / 4) if self.dealias else self.N
+
     def grid(self, dim: int) -> VelocityGrid:
         """The Cartesian velocity grid in ``dim`` dimensions, of every method but `radial`."""
         return VelocityGrid(dim, self.N, self.R)
@@ -193,10 +227,11 @@ class Solver:
         """The solver as plain data, for a dataset's attributes.
 
         ``threads`` is left out: it changes how long a run takes, not what comes out. So is what plays no
-        part, ``rtol`` or what it chooses.
+        part, ``rtol`` or what it chooses, and so are fields of `ONLY_FAST` that are not in use.
         """
         every = dataclasses.asdict(self)
         unused = {"threads", *({"rtol"} if self.rtol is None else CHOSEN_BY_RTOL)}
+        unused |= {field for field, value in ONLY_FAST.items() if getattr(self, field) != value}
         if self.method == "dsmc":
             unused |= every.keys() - {"N", "R", "method"} - PARTICLE_FIELDS
         else:

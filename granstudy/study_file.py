@@ -26,6 +26,8 @@ SWEPT = (
     "method",
     "sphere_rule",
     "radial_rule",
+    "dealias",
+    "precision",
     "dt",
 )
 """What a study can sweep, in the order of a run's path."""
@@ -80,6 +82,8 @@ class SolverModel(_Model):
     )
     batches: Annotated[int | None, Field(description="of method dsmc; default 20")] = None
     seed: Annotated[int | None, Field(description="of method dsmc; default 0")] = None
+    dealias: Annotated[bool | None, Field(description="pad the products of fast")] = None
+    precision: Annotated[str | None, Field(description="double, or single for fast")] = None
 
 
 class TimeModel(_Model):

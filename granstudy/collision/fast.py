@@ -34,7 +34,8 @@ class NodalOperator:
     Parameters
     ----------
     gain : GainSum
-        On ``grid``, or on a smaller grid that holds the spectra of f and of Q.
+        On ``grid``, on a smaller grid that holds the spectra of f and of Q, or on a larger one, where the
+        products do not wrap around the spectrum; those of the loss are then formed there as well.
     group : Symmetry
         Under which the sum is symmetrised, and which densities must have.
     loss : ndarray, shape (N, N', N/2+1)
@@ -51,7 +52,7 @@ class NodalOperator:
         self._shape = (grid.N, grid.N if grid.dim == 3 else 1, grid.N)
         self._single = RealTransforms(1, self._shape)
         self._inner = self._single if gain.grid == grid else RealTransforms(1, gain.shape)
-        self.transforms = gain.transforms + (3 if gain.grid == grid else 4)
+        self.transforms = gain.transforms + serial_transforms(grid.N, gain.grid.N)
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
         """Q(f,f) of a real density that has the operator's symmetry."""
@@ -61,8 +62,11 @@ class NodalOperator:
         self.group.spot_check(f, "the density")
         f = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
         f_hat = self._spectrum(f)
-        Q = self._single.backward(self._gain_spectrum(f, f_hat))
-        Q -= self._loss_part(f, f_hat)
+        if self.gain.grid.N > self.grid.N:
+            Q = self._single.backward(self._padded_spectrum(f_hat))
+        else:
+            Q = self._single.backward(self._gain_spectrum(f, f_hat))
+            Q -= self._loss_part(f, f_hat)
         # The loss has the symmetry already; with it, round-off that has not stays as small as it is.
         return self.group.symmetrise(Q.reshape(self.grid.shape))
 
@@ -87,6 +91,14 @@ class NodalOperator:
         f_hat = resize(f_hat, n)
         return resize(self.gain.total(self._inner.backward(f_hat), f_hat), self.grid.N)
 
+    def _padded_spectrum(self, f_hat: np.ndarray) -> np.ndarray:
+        """Q̂ with all products on the gain's larger grid."""
+        n = self.gain.grid.N
+        f_hat_n = resize(f_hat, n)
+        f_n = self._inner.backward(f_hat_n)
+        lost = self._inner.forward(f_n * self._inner.backward(resize(self._loss * f_hat, n)))
+        return resize(self.gain.total(f_n, f_hat_n) - lost / f_n.size, self.grid.N)
+
     def transform(self) -> None:
         """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
         self.gain.transform()
@@ -102,8 +114,14 @@ def fast_operator(scene: Scene, solver: Solver) -> NodalOperator:
         loss = loss_weight(scene.kernel, grid, radial.points, radial.weights, half=True)
     else:
         loss = nodal_loss(grid, place_nodes(scene, grid, radial, [half(rule)] * len(radial)))
-    gain = GainSum(scene, grid, nodes, solver.thread_count)
+    products = VelocityGrid(scene.dim, solver.product_points, solver.R)
+    gain = GainSum(scene, products, nodes, solver.thread_count, precision=solver.precision)
     return NodalOperator(grid, gain, group, spectrum_axes(grid, loss))
+
+
+def serial_transforms(N: int, n: int) -> int:
+    """Transforms beside the nodes': of f, of the loss and back; between grids; of the padded loss."""
+    return 3 if n == N else 4 if n < N else 5
 
 
 def nodal_loss(grid: VelocityGrid, nodes: Nodes) -> np.ndarray:
