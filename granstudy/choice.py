@@ -65,6 +65,9 @@ def choose(scene: Scene, solver: Solver) -> Choice:
 def choose_method(scene: Scene, solver: Solver) -> tuple[Solver, str]:
     """The solver with a method for the scene, and why in a line."""
     plain = replace(solver, dealias=False, precision="double")  # which is all that the others know
+    fast = replace(solver, method="fast")
+    if solver.device == "gpu":
+        return fast, "fast: the one method that runs on a GPU"
     if callable(scene.restitution):
         obstacle = "restitution depends on the impact speed"
     else:
@@ -76,7 +79,6 @@ def choose_method(scene: Scene, solver: Solver) -> tuple[Solver, str]:
             N = radial_nodes(solver.N)
             why = f"isotropic density, constant e: {N} speeds resolve what N={solver.N} does"
             return replace(plain, method="radial", N=N), f"radial: {why}"
-    fast = replace(solver, method="fast")
     if solver.rtol is not None:
         return fast, f"fast: {obstacle}, and no other method chooses directions for a tolerance"
     candidates = [fast, replace(plain, method="direct"), _carleman(scene, plain)]

@@ -66,6 +66,8 @@ def run_coordinates(scene: Scene, solver: Solver, dt: float | None = None) -> di
             coordinates["sphere_rule"] = solver.sphere_rule
         coordinates["radial_rule"] = solver.radial_rule
     coordinates |= {"dealias": solver.dealias, "precision": solver.precision}
+    if solver.device != "cpu":
+        coordinates["device"] = solver.device
     if dt is not None:
         coordinates["dt"] = dt
     return coordinates

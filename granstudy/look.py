@@ -15,6 +15,10 @@ METHOD_COLOURS = {
     "direct": "#0072B2",
     "radial": "#E69F00",
     "dsmc": "#999999",
+    "fast, gpu": "#332288",
+    "fast, single, gpu": "#6699CC",
+    "fast, rtol, gpu": "#117733",
+    "fast, rtol, single, gpu": "#999933",
 }
 """A method has the same colour in every figure."""
 
@@ -31,6 +35,10 @@ METHODS_FIRST = {
             "carleman",
             "radial",
             "dsmc",
+            "fast, gpu",
+            "fast, single, gpu",
+            "fast, rtol, gpu",
+            "fast, rtol, single, gpu",
         )
     )
 }

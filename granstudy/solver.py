@@ -13,10 +13,10 @@ from granstudy.grid import VelocityGrid, check_node_count, check_point_count, ch
 METHODS = ("auto", "literal", "direct", "fast", "radial", "carleman", "dsmc")
 VARIANTS = ("full", "separate")
 RADIAL_RULES = ("legendre", "jacobi")
-
 PRECISIONS = ("double", "single")
+DEVICES = ("cpu", "gpu")
 
-ONLY_FAST = {"precision": "single", "dealias": True}
+ONLY_FAST = {"dealias": True, "precision": "single", "device": "gpu"}
 """Fields with the value that `fast` alone takes; where `auto` takes another method, it runs without."""
 
 CHOSEN_BY_RTOL = {"N_rho", "M_sph", "M_cir", "sphere_rule", "radial_rule"}
@@ -86,6 +86,9 @@ class Solver:
         about twice as fast, with a round-off of some 1e-7 of max|Q⁺|.
     threads : int or None
         Threads to use, None for one a core. Results do not depend on it.
+    device : str
+        ``cpu`` or ``gpu``: where `fast` sums over its nodes. A GPU needs CuPy or PyTorch (``pip install
+        'granstudy[gpu]'``) and a restitution that is a constant; results differ by round-off.
 
     Raises
     ------
@@ -110,6 +113,7 @@ class Solver:
     dealias: bool = False
     precision: str = "double"
     threads: int | None = None
+    device: str = "cpu"
 
     def __post_init__(self) -> None:
         if self.N is None or self.R is None:
@@ -132,6 +136,7 @@ class Solver:
             ("method", METHODS),
             ("radial_rule", RADIAL_RULES),
             ("precision", PRECISIONS),
+            ("device", DEVICES),
         ):
             if getattr(self, field) not in allowed:
                 raise unknown_name(field, getattr(self, field), allowed)
@@ -197,8 +202,10 @@ class Solver:
 
     @property
     def operator(self) -> str:
-        """Name of the operator behind the method: ``adaptive`` for `fast` with a tolerance."""
-        return "adaptive" if self.method == "fast" and self.rtol is not None else self.method
+        """Name of the operator behind the method: ``adaptive`` for `fast` with a tolerance, ``on gpu``."""
+        adaptive = self.method == "fast" and self.rtol is not None
+        name = "adaptive" if adaptive else self.method
+        return f"{name} on gpu" if self.device == "gpu" else name
 
     @property
     def is_open(self) -> bool:

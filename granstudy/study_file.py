@@ -28,6 +28,7 @@ SWEPT = (
     "radial_rule",
     "dealias",
     "precision",
+    "device",
     "dt",
 )
 """What a study can sweep, in the order of a run's path."""
@@ -84,6 +85,7 @@ class SolverModel(_Model):
     seed: Annotated[int | None, Field(description="of method dsmc; default 0")] = None
     dealias: Annotated[bool | None, Field(description="pad the products of fast")] = None
     precision: Annotated[str | None, Field(description="double, or single for fast")] = None
+    device: Annotated[str | None, Field(description="cpu or gpu; default: cpu")] = None
 
 
 class TimeModel(_Model):

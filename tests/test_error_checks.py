@@ -38,6 +38,11 @@ GOOD_SOLVER = {"N": 8, "R": 7.0}
             {"rtol": 1e-6, "method": "literal"},
             "rtol=1e-06: only methods .auto., .fast., .radial. take",
         ),
+        ({"device": "cuda"}, "unknown device 'cuda': allowed are cpu, gpu"),
+        (
+            {"device": "gpu", "method": "direct"},
+            "device='gpu': only methods 'auto' and 'fast' take it, not 'direct'",
+        ),
         ({"rtol": 1e-6, "M_sph": 6}, "M_sph=6: rtol=1e-06 chooses it; leave one of them out"),
     ],
 )

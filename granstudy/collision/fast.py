@@ -11,10 +11,12 @@ w_r/|H|. It differs from the fast sum without H by aliasing alone: there each pa
 of its two nodes, here at r's images.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from granstudy.collision import kernels
-from granstudy.collision.gain import GainSum
+from granstudy.collision.gain import Gain, GainSum
 from granstudy.collision.nodes import Nodes, place_nodes
 from granstudy.collision.operator import check_state
 from granstudy.collision.rules import directions, radial_nodes, reduce_directions
@@ -27,13 +29,15 @@ from granstudy.scene import Scene
 from granstudy.solver import Solver
 from granstudy.symmetry import Symmetry
 
+MakeGain = Callable[[Scene, Solver, VelocityGrid, Nodes], Gain]
+
 
 class NodalOperator:
     """Q(f,f) for real f by a sum over given nodes.
 
     Parameters
     ----------
-    gain : GainSum
+    gain : Gain
         On ``grid``, on a smaller grid that holds the spectra of f and of Q, or on a larger one, where the
         products do not wrap around the spectrum; those of the loss are then formed there as well.
     group : Symmetry
@@ -42,9 +46,7 @@ class NodalOperator:
         G⁻ on the half spectrum of ``grid``.
     """
 
-    def __init__(
-        self, grid: VelocityGrid, gain: GainSum, group: Symmetry, loss: np.ndarray
-    ) -> None:
+    def __init__(self, grid: VelocityGrid, gain: Gain, group: Symmetry, loss: np.ndarray) -> None:
         self.grid = grid
         self.gain = gain
         self.group = group
@@ -104,7 +106,12 @@ class NodalOperator:
         self.gain.transform()
 
 
-def fast_operator(scene: Scene, solver: Solver) -> NodalOperator:
+def gain_sum(scene: Scene, solver: Solver, grid: VelocityGrid, nodes: Nodes) -> GainSum:
+    """The sum over some nodes, on the solver's threads."""
+    return GainSum(scene, grid, nodes, solver.thread_count, precision=solver.precision)
+
+
+def fast_operator(scene: Scene, solver: Solver, make_gain: MakeGain = gain_sum) -> NodalOperator:
     """The operator with the solver's rule: N_rho shells of equally many directions."""
     grid = solver.grid(scene.dim)
     radial, rule = radial_nodes(scene, solver), directions(scene, solver)
@@ -115,7 +122,7 @@ def fast_operator(scene: Scene, solver: Solver) -> NodalOperator:
     else:
         loss = nodal_loss(grid, place_nodes(scene, grid, radial, [half(rule)] * len(radial)))
     products = VelocityGrid(scene.dim, solver.product_points, solver.R)
-    gain = GainSum(scene, products, nodes, solver.thread_count, precision=solver.precision)
+    gain = make_gain(scene, solver, products, nodes)
     return NodalOperator(grid, gain, group, spectrum_axes(grid, loss))
 
 
