@@ -17,7 +17,7 @@ from granstudy.kernel import VHS, Viscoelastic, check_restitution, sphere_area
 from granstudy.particles.cost import particle_cost
 from granstudy.particles.restitution_table import alpha_table
 from granstudy.scene import Scene, load_scene
-from granstudy.solver import TAKES_RTOL, Choice, Solver
+from granstudy.solver import PARTICLE_FIELDS, TAKES_RTOL, Choice, Solver
 from granstudy.study_file import Experiment, SolverModel, TimingModel, ViscoelasticModel
 
 SHARED_WITH_REFERENCE = ("e", "exponent", "epsilon", "N", "R", "N_rho")
@@ -108,7 +108,12 @@ class Run:
         """The solver with this run's swept values."""
         settings = self.model.solver.model_dump(exclude_none=True)
         fields = set(SolverModel.model_fields)
-        settings |= {key: value for key, value in self.values if key in fields}
+        swept = {key: value for key, value in self.values if key in fields}
+        settings |= swept
+        if settings.get("method") != "dsmc":
+            # So that an experiment can sweep over methods, one of them `dsmc`.
+            for field in PARTICLE_FIELDS - swept.keys():
+                settings.pop(field, None)
         if self.is_reference and self._value("method", None) != "radial":
             assert self.model.reference is not None
             for own in ("rtol", "precision", "device"):  # of the run's; a reference says its own

@@ -74,6 +74,16 @@ def test_the_collisions_of_other_gases(scene, t_final):
     assert forecast.collisions == pytest.approx(2000 * float(ds["collisions"][-1]), rel=0.15)
 
 
+def test_an_experiment_has_other_methods_beside_particles(load):
+    lines = STUDY[STUDY.index("seed: 1}") :]
+    beside = lines.replace("seed: 1}", "seed: 1, particles: 2000}").replace(
+        "{particles: [1000, 2000], batches: [10, 20]}", "{method: [radial, dsmc]}"
+    )
+    runs = load(lines, beside).runs["cooling"]
+    assert runs["method~dsmc"].solver.particles == 2000
+    assert runs["method~radial"].solver == gs.Solver(N=16, R=7.0, method="radial")
+
+
 def test_a_plan_needs_times():
     scene = gs.load_scene("bkw2d", restitution=0.3)
     with pytest.raises(ValueError, match="method 'dsmc' has no evaluation of Q; give t_final"):
