@@ -28,6 +28,9 @@ from granstudy.whole_file import write_whole
 CONVENTIONS = "CF-1.11"
 LIBRARIES = ("granstudy", "numpy", "scipy", "pyfftw", "numba", "xarray")
 
+BY_BATCH = ("temperature", "a2")
+"""Moments of which a simulation by particles keeps every batch's value."""
+
 
 class Status(IntEnum):
     """How a run ended; MISSING stands in arrays over parameters where there is no run."""
@@ -53,6 +56,13 @@ def run_coordinates(
         "N": solver.N,
         "R": solver.R,
     }
+    if solver.method == "dsmc":
+        return coordinates | {
+            "particles": solver.particles,
+            "batches": solver.batches,
+            "seed": solver.seed,
+            "method": solver.method,
+        }
     coordinates |= _quadrature_coordinates(scene, solver)
     coordinates |= {"variant": solver.variant, "method": solver.method}
     if solver.rtol is None:
@@ -126,21 +136,7 @@ def evolution_dataset(
             "component_": components,
         },
     )
-    if scene.kernel.exponent == 0.0 and not callable(scene.restitution):
-        law: dict[str, Any] = {
-            "t": time,
-            "restitution": float(scene.restitution),
-            "diffusion": scene.diffusion,
-            "cross_section": sphere_area(scene.dim) * scene.kernel.strength,
-        }
-        density0 = float(ds["density"][0])
-        for name, density in (("temperature", density0), ("paper_temperature", 1.0)):
-            exact = theory.maxwell_temperature(T0=float(ds[name][0]), density=density, **law)
-            long_name = f"exact law of {name} from its discrete initial value"
-            ds[f"{name}_exact"] = ("time", exact, {"long_name": long_name, "units": "1"})
-            error = np.abs(ds[name].values - exact)
-            long_name = f"|{name} − {name}_exact|"
-            ds[f"{name}_error"] = ("time", error, {"long_name": long_name, "units": "1"})
+    _add_exact_law(ds, scene)
     if snapshots:
         ds = ds.assign(_densities(grid, snapshots, rescaled))
     ds = ds.assign(_health(list(health_outputs), reason))
@@ -204,6 +200,76 @@ def _densities(
         for axis in scaled.values():
             ds[axis].attrs["long_name"] = f"scaled velocity {axis} of c = (v−u)/θ"
     return ds
+
+
+def particle_dataset(
+    scene: Scene,
+    solver: Solver,
+    grid: VelocitySpace,
+    times: np.ndarray,
+    by_batch: dict[str, np.ndarray],
+    snapshots: dict[float, np.ndarray],
+    status: Status,
+    reason: str,
+    warnings: list[str],
+) -> xr.Dataset:
+    """Dataset of a simulation by particles: as `evolution_dataset`, with standard errors.
+
+    ``by_batch`` holds every moment of every batch, shape (batches, times, ...). Each becomes its mean over
+    batches and a `<name>_standard_error`; of `BY_BATCH` the batches' own values are kept, too, as
+    `<name>_by_batch`. The exact temperature law and `temperature_error`, the distance from it, are those of
+    `evolution_dataset`.
+    """
+    components = list(COMPONENTS[: grid.dim])
+    long_names = LONG_NAMES | {"collisions": "collisions that a particle has had"}
+    data: dict[str, Any] = {}
+    for name, values in by_batch.items():
+        dims = ("time", *DIMENSIONS.get(name, ()))
+        attributes = {"long_name": long_names[name], "units": "1"}
+        data[name] = (dims, values.mean(axis=0), attributes)
+        attributes = {"long_name": f"standard error of {name} over batches", "units": "1"}
+        data[f"{name}_standard_error"] = (dims, standard_error(values), attributes)
+        if name in BY_BATCH:
+            attributes = {"long_name": f"{long_names[name]}, of each batch", "units": "1"}
+            data[f"{name}_by_batch"] = (("time", "batch"), values.T, attributes)
+    ds = xr.Dataset(
+        data,
+        coords={
+            "time": ("time", times, {"long_name": "time t", "units": "1"}),
+            "component": components,
+            "component_": components,
+            "batch": np.arange(solver.batches),
+        },
+    )
+    _add_exact_law(ds, scene)
+    if snapshots:
+        ds = ds.assign(_densities(grid, snapshots, rescaled=False))
+    return _finish(ds, scene, solver, None, status, reason, warnings, "particles", ())
+
+
+def standard_error(by_batch: np.ndarray) -> np.ndarray:
+    """Standard error of the mean over the first axis, from independent batches."""
+    return np.asarray(np.std(by_batch, axis=0, ddof=1) / np.sqrt(len(by_batch)))
+
+
+def _add_exact_law(ds: xr.Dataset, scene: Scene) -> None:
+    """Add the exact temperature law and the distances from it where one is known."""
+    if scene.kernel.exponent != 0.0 or callable(scene.restitution):
+        return
+    law: dict[str, Any] = {
+        "t": ds["time"].values,
+        "restitution": float(scene.restitution),
+        "diffusion": scene.diffusion,
+        "cross_section": sphere_area(scene.dim) * scene.kernel.strength,
+    }
+    density0 = float(ds["density"][0])
+    for name, density in (("temperature", density0), ("paper_temperature", 1.0)):
+        exact = theory.maxwell_temperature(T0=float(ds[name][0]), density=density, **law)
+        long_name = f"exact law of {name} from its discrete initial value"
+        ds[f"{name}_exact"] = ("time", exact, {"long_name": long_name, "units": "1"})
+        error = np.abs(ds[name].values - exact)
+        long_name = f"|{name} − {name}_exact|"
+        ds[f"{name}_error"] = ("time", error, {"long_name": long_name, "units": "1"})
 
 
 def collision_dataset(

@@ -4,6 +4,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -69,6 +70,7 @@ def simulate(
     conserve : sequence of str
         Of ``mass``, ``momentum``, and for e = 1 ``energy``: what Q is corrected to conserve, by the least
         change. The radial method has no momentum to conserve.
+        By `dsmc` times say when the moments are recorded and nothing else.
     save_every : int, optional
         Keep the density every so many outputs, with the first and the last; by default none is kept.
     progress : bool, optional
@@ -93,6 +95,8 @@ def simulate(
         t_final, dt, time_rtol, times, frame, scheme, conserve, save_every  # type: ignore[arg-type]
     )  # fmt: skip
     check_frame(scene, solver, settings)
+    if solver.method == "dsmc":
+        return _simulate_particles(scene, solver, settings, progress)
     choice = concrete(scene, solver)
     solver = choice.solver
     run = _prepare(scene, solver, settings)
@@ -153,8 +157,26 @@ def simulate(
     return ds.assign_attrs(choice.attributes())
 
 
+def _simulate_particles(
+    scene: Scene, solver: Solver, settings: TimeSettings, progress: bool | None
+) -> xr.Dataset:
+    # Imported here, as the code of particles is no part of other runs.
+    particles = import_module("granstudy.particles.simulation")
+    check_frame(scene, solver, settings)
+    times = settings.recorded
+    ds: xr.Dataset = particles.simulate_particles(
+        scene, solver, times, settings.save_every, progress
+    )
+    return ds if settings.dt is None else ds.assign_coords(dt=settings.dt)
+
+
 def check_frame(scene: Scene, solver: Solver, settings: TimeSettings) -> None:
     """Raise ValueError for what a frame or conservation cannot do with a scene and a solver."""
+    if solver.method == "dsmc" and (settings.frame != "fixed" or settings.conserve):
+        raise ValueError(
+            f"frame={settings.frame!r}, conserve={settings.conserve!r}: method 'dsmc' needs neither; "
+            "particles keep mass and momentum, and cool without a grid"
+        )
     check_conserve(settings.conserve, scene.restitution)
     if settings.frame == "rescaled" and callable(scene.restitution) and solver.rtol is not None:
         raise ValueError(
