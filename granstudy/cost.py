@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from functools import cache
 
 from granstudy.collision.carleman_scenes import product_count
-from granstudy.collision.rules import directions, reduce_directions, turned_circle
-from granstudy.quadrature import sphere_rule
+from granstudy.collision.rules import directions, reduce_directions
+from granstudy.quadrature import circle_rule, sphere_rule
 from granstudy.scene import Scene
 from granstudy.solver import Solver
 from granstudy.symmetry import Symmetry
@@ -151,7 +151,7 @@ def reduced_count(scene: Scene, solver: Solver) -> int:
 
 @cache
 def _reduced(dim: int, size: int | tuple[int, ...], name: str, group: Symmetry) -> int:
-    rule = turned_circle(size, group) if dim == 2 else sphere_rule(size, name)  # type: ignore[arg-type]
+    rule = circle_rule(size) if dim == 2 else sphere_rule(size, name)  # type: ignore[arg-type]
     return len(reduce_directions(rule, group)[1])
 
 

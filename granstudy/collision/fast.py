@@ -17,7 +17,7 @@ from granstudy.collision import kernels
 from granstudy.collision.gain import GainSum
 from granstudy.collision.nodes import Nodes, place_nodes
 from granstudy.collision.operator import check_state
-from granstudy.collision.rules import radial_nodes, reduce_directions, symmetric_directions
+from granstudy.collision.rules import directions, radial_nodes, reduce_directions
 from granstudy.collision.spectra import resize
 from granstudy.collision.transforms import RealTransforms
 from granstudy.collision.weights import loss_weight
@@ -95,7 +95,7 @@ class NodalOperator:
 def fast_operator(scene: Scene, solver: Solver) -> NodalOperator:
     """The operator with the solver's rule: N_rho shells of equally many directions."""
     grid = solver.grid(scene.dim)
-    radial, rule = radial_nodes(scene, solver), symmetric_directions(scene, solver)
+    radial, rule = radial_nodes(scene, solver), directions(scene, solver)
     group, reduced = reduce_directions(rule, scene.symmetry)
     nodes = place_nodes(scene, grid, radial, [reduced] * len(radial))
     if solver.variant == "separate":

@@ -24,24 +24,6 @@ def directions(scene: Scene, solver: Solver) -> Rule:
     return sphere_rule(solver.M_sph, solver.sphere_rule)
 
 
-FIRST_ANGLES = (0.0, np.pi / 4)
-"""Where the points on the circle may begin: a rule of an even number of points has mirror lines through its
-first one and at right angles to it. The square's mirror lines lie at multiples of π/4."""
-
-
-def symmetric_directions(scene: Scene, solver: Solver) -> Rule:
-    """The directions, in 2D turned so that the scene's symmetry leaves fewest orbits."""
-    if scene.dim == 3:
-        return directions(scene, solver)
-    return turned_circle(solver.M_cir, scene.symmetry)
-
-
-def turned_circle(M_cir: int, group: Symmetry) -> Rule:
-    """Uniform angles, from that one of `FIRST_ANGLES` which leaves fewest orbits under a group and ±1."""
-    turned = [circle_rule(M_cir, first) for first in FIRST_ANGLES]
-    return min(turned, key=lambda rule: len(reduce_directions(rule, group)[1]))
-
-
 def reduce_directions(rule: Rule, group: Symmetry) -> tuple[Symmetry, Rule]:
     """The largest part of a group that the rule has too, and one direction of each orbit.
 
