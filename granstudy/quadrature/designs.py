@@ -119,13 +119,14 @@ ORBITS = {
     156: Orbits(("y,z,x",)),
     192: Orbits(("y,z,x",)),
 }
-"""The largest group of each size under which a design was found; {±1} for the others.
+"""What the sets are made of, {±1} for the other sizes.
 
-That takes as many unknowns as independent sums: two for a free point, one for a point in the plane, less
-the rotation about an axis where G allows one. 192 points at degree 19 have 32 free points and 63 sums, 120
-at degree 15 have 20 and 39, though without symmetry 120 leave 117 unknowns for 119 sums. Sizes of remainder
-4 modulo 6, as 70 and 94, exclude the three-fold axis, and the other groups leave fewer unknowns than
-sums. {±1} suffices for 2, 6 and 12 points, as octahedron and icosahedron are the only designs."""
+The unknowns (two for a free point, one for a point in the plane, less one where rotations about an axis
+of G keep it) must be as many as the independent sums: 7 for 32 points, 63 for 192 points at degree 19, 39
+for 120 at degree 15, which without symmetry have 117 for 119 sums. Sizes of remainder 4 modulo 6, as 70
+and 94, exclude the axis (1,1,1), and the other groups leave them too few unknowns. Designs of 6 and 12
+points are octahedron and icosahedron; `orient` places them as the paper does, and its digits depend on it.
+"""
 
 
 @dataclass(frozen=True)
