@@ -74,11 +74,12 @@ def choose_method(scene: Scene, solver: Solver) -> tuple[Solver, str]:
         else:
             N = radial_nodes(solver.N)
             why = f"isotropic density, constant e: {N} speeds resolve what N={solver.N} does"
-            return replace(solver, method="radial", N=N), f"radial: {why}"
+            return replace(solver, method="radial", N=N, precision="double"), f"radial: {why}"
     fast = replace(solver, method="fast")
     if solver.rtol is not None:
         return fast, f"fast: {obstacle}, and no other method chooses directions for a tolerance"
-    candidates = [fast, replace(solver, method="direct"), _carleman(scene, solver)]
+    double = replace(solver, precision="double")  # which is all that the others know
+    candidates = [fast, replace(double, method="direct"), _carleman(scene, double)]
     timed = [(estimate(scene, other, 1).each, other) for other in candidates if other is not None]
     timed.sort(key=lambda pair: pair[0])
     allowed = next(seconds for seconds, other in timed if other is fast) / WORTH_IT

@@ -55,6 +55,7 @@ def run_coordinates(scene: Scene, solver: Solver, dt: float | None = None) -> di
         if scene.dim == 3:
             coordinates["sphere_rule"] = solver.sphere_rule
         coordinates["radial_rule"] = solver.radial_rule
+    coordinates["precision"] = solver.precision
     if dt is not None:
         coordinates["dt"] = dt
     return coordinates

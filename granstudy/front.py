@@ -3,8 +3,9 @@
 import numpy as np
 import xarray as xr
 
-TOLERANCE = "fast, rtol"
-"""What a run is called whose quadrature a tolerance has chosen."""
+TOLERANCE = ", rtol"
+SINGLE = ", single"
+"""What is added to the method of a run with a tolerance, or in single precision."""
 
 
 def on_front(seconds: np.ndarray, error: np.ndarray) -> np.ndarray:
@@ -33,11 +34,15 @@ def fastest_within(seconds: np.ndarray, error: np.ndarray, largest: float) -> in
 
 
 def families(table: xr.Dataset) -> list[str]:
-    """What each run of a table counts as on the front: its method, or `TOLERANCE`."""
-    tolerance = table["rtol"].values > 0 if "rtol" in table.coords else np.array(False)
+    """What each run of a table counts as on the front: its method, with `TOLERANCE` and `SINGLE`."""
+
+    def along(name: str, absent: object) -> np.ndarray:
+        values = table[name].values if name in table.coords else np.array(absent)
+        return np.broadcast_to(values, table.sizes["run"])
+
     return [
-        TOLERANCE if with_rtol else str(method)
-        for method, with_rtol in np.broadcast(
-            np.broadcast_to(table["method"].values, table.sizes["run"]), tolerance
+        str(method) + TOLERANCE * bool(rtol > 0) + SINGLE * (precision == "single")
+        for method, rtol, precision in zip(
+            along("method", ""), along("rtol", -1.0), along("precision", ""), strict=True
         )
     ]

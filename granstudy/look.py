@@ -8,14 +8,30 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 METHOD_COLOURS = {
     "literal": "#8CC9F0",
     "fast": "#D55E00",
+    "fast, single": "#7A3300",
     "fast, rtol": "#CC79A7",
+    "fast, rtol, single": "#7B2E5A",
     "carleman": "#009E73",
     "direct": "#0072B2",
     "radial": "#E69F00",
 }
 """A method has the same colour in every figure."""
 
-METHODS_FIRST = {"direct": 0, "literal": 1, "fast": 2, "fast, rtol": 3, "carleman": 4, "radial": 5}
+METHODS_FIRST = {
+    name: place
+    for place, name in enumerate(
+        (
+            "direct",
+            "literal",
+            "fast",
+            "fast, single",
+            "fast, rtol",
+            "fast, rtol, single",
+            "carleman",
+            "radial",
+        )
+    )
+}
 """From the slowest to the fastest, as a legend lists them."""
 
 MARKERS = ("o", "s", "^", "D")

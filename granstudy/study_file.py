@@ -24,6 +24,7 @@ SWEPT = (
     "method",
     "sphere_rule",
     "radial_rule",
+    "precision",
     "dt",
 )
 """What a study can sweep, in the order of a run's path."""
@@ -73,6 +74,7 @@ class SolverModel(_Model):
         Field(description="tolerance of Q's quadrature error, in place of N_rho, M_.."),
     ] = None
     circular: bool | None = None
+    precision: Annotated[str | None, Field(description="double, or single for fast")] = None
 
 
 class TimeModel(_Model):

@@ -92,45 +92,41 @@ class Symmetry:
         return Symmetry(self.dim, self.elements & other.elements)
 
     @cached_property
-    def chain(self) -> tuple[tuple[Element, ...], ...]:
-        """Coset representatives of growing subgroups, {1} ⊂ H₁ ⊂ H₂ ... up to the group.
-
-        Σ_{h∈G} h·f is a product of short sums, Π_i Σ_{c∈chain_i} c·: six images instead of 47 for O_h.
-        """
-        chain = []
+    def generators(self) -> tuple[Element, ...]:
+        """Few elements that generate the group, each of the least that enlarge what the others do."""
+        found: tuple[Element, ...] = ()
         subgroup = frozenset({identity(self.dim)})
         while subgroup != self.elements:
-            larger = min(
-                (
-                    _closure(self.dim, subgroup | {h})
-                    for h in sorted(self.elements - subgroup, key=triplet)
-                ),
-                key=len,
-            )
-            representatives: list[Element] = []
-            covered: set[Element] = set()
-            # the identity stands for the subgroup itself
-            for c in [identity(self.dim), *sorted(larger, key=triplet)]:
-                if c not in covered:
-                    representatives.append(c)
-                    covered |= {compose(c, h) for h in subgroup}
-            chain.append(tuple(representatives))
-            subgroup = larger
-        return tuple(chain)
-
-    @property
-    def generators(self) -> tuple[Element, ...]:
-        """Few elements that generate the group."""
-        return tuple(step[1] for step in self.chain)
+            larger = {
+                h: _closure(self.dim, {*found, h})
+                for h in sorted(self.elements - subgroup, key=triplet)
+            }
+            h = min(larger, key=lambda h: len(larger[h]))
+            found, subgroup = (*found, h), larger[h]
+        return found
 
     def symmetrise(self, f: np.ndarray) -> np.ndarray:
-        """(1/|G|) Σ_{h∈G} h·f."""
-        for step in self.chain:
-            total = f.copy()
-            for c in step[1:]:
-                total += apply(c, f)
-            f = total
-        return f / len(self) if len(self) > 1 else f
+        """(1/|G|) Σ_{h∈G} h·f, summed once an orbit of points, so that the result is exactly symmetric."""
+        if len(self) == 1:
+            return f
+        images, orbit = self._orbits(f.shape)
+        means = f.take(images).sum(axis=0) / len(self)
+        return means.take(orbit).reshape(f.shape)
+
+    def _orbits(self, shape: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
+        """Of one point an orbit its images, (|G|, orbits), and of every point its orbit; kept."""
+        cache: dict[tuple[int, ...], tuple[np.ndarray, np.ndarray]]
+        cache = self.__dict__.setdefault("_orbit_cache", {})
+        if shape not in cache:
+            index = np.arange(np.prod(shape)).reshape(shape)
+            elements = sorted(self.elements, key=triplet)
+            first = index
+            for h in elements:
+                first = np.minimum(first, apply(h, index))
+            points, orbit = np.unique(first, return_inverse=True)
+            images = np.stack([apply(h, index).ravel()[points] for h in elements])
+            cache[shape] = images, orbit.ravel()
+        return cache[shape]
 
     def check(self, f: np.ndarray, what: str) -> None:
         """Raise ValueError unless h·f = f for every element, to `TOLERANCE` of max|f|."""

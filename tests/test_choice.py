@@ -41,6 +41,18 @@ def test_the_method_follows_the_scene(scene, N, method):
     assert choice.solver == gs.choose(scene, gs.Solver(N, 8.0, method="auto", threads=None)).solver
 
 
+def test_only_fast_keeps_single_precision():
+    for scene, precision in (
+        (isotropic(3, restitution=0.5), "double"),
+        (asymmetric_scene(3, 0, HARD, 1.0), "double"),
+        (asymmetric_scene(3, 0, HARD, 0.3), "single"),
+    ):
+        asked = gs.Solver(N=32, R=8.0, method="auto", precision="single")
+        chosen = gs.choose(scene, asked).solver
+        assert chosen.precision == precision
+        assert (chosen.method == "fast") == (precision == "single")
+
+
 def test_direct_is_for_grids_so_small_that_it_is_the_cheapest():
     scene = asymmetric_scene(2, 0, HARD, 0.5)
     fine = {"R": 8.0, "M_cir": 96, "method": "auto"}

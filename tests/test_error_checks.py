@@ -24,6 +24,11 @@ GOOD_SOLVER = {"N": 8, "R": 7.0}
         ({"variant": "seperate"}, "unknown variant 'seperate' .did you mean 'separate'"),
         ({"method": "quick"}, "unknown method 'quick'.*auto, literal, direct, fast, radial"),
         ({"radial_rule": "simpson"}, "unknown radial_rule 'simpson'"),
+        ({"precision": "half"}, "unknown precision 'half'.*double, single"),
+        (
+            {"precision": "single", "method": "literal"},
+            "precision='single': only methods .auto., .fast. take",
+        ),
         ({"rtol": 0.0}, "rtol=0.0: must be a number between 0 and 1, or None"),
         ({"rtol": 1.0}, "rtol=1.0: must be a number between 0 and 1"),
         ({"rtol": "1e-6"}, "rtol='1e-6': must be a number"),

@@ -102,7 +102,7 @@ def fast_operator(scene: Scene, solver: Solver) -> NodalOperator:
         loss = loss_weight(scene.kernel, grid, radial.points, radial.weights, half=True)
     else:
         loss = nodal_loss(grid, place_nodes(scene, grid, radial, [half(rule)] * len(radial)))
-    gain = GainSum(scene, grid, nodes, solver.thread_count)
+    gain = GainSum(scene, grid, nodes, solver.thread_count, precision=solver.precision)
     return NodalOperator(grid, gain, group, spectrum_axes(grid, loss))
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from granstudy.collision import kernels
 from granstudy.collision.nodes import Nodes
-from granstudy.collision.transforms import RealTransforms, largest_batch
+from granstudy.collision.transforms import REAL, RealTransforms, largest_batch
 from granstudy.collision.variable_restitution import pair_series
 from granstudy.collision.weights import alpha, sphere_mean
 from granstudy.collision.workers import SHARES, Workers
@@ -38,6 +38,8 @@ class GainSum:
         The grid on which the products are formed.
     shares : sequence of (start, stop), optional
         Parts of the sum, by default about equal ones for threads.
+    precision : str
+        ``double``, or ``single`` for the nodes' transforms and loops; shells are added in double.
     """
 
     def __init__(
@@ -47,14 +49,16 @@ class GainSum:
         nodes: Nodes,
         threads: int,
         shares: Sequence[Bounds] | None = None,
+        precision: str = "double",
     ) -> None:
         self.grid = grid
+        self.real = REAL[precision]
         self.nodes = nodes
         self.shape = (grid.N, grid.N if grid.dim == 3 else 1, grid.N)
         self.shares = equal_shares(len(nodes)) if shares is None else list(shares)
         self.transforms = 2 * len(nodes)
         longest = max((stop - start for start, stop in self.shares), default=1)
-        largest = largest_batch(grid.N**grid.dim)
+        largest = largest_batch(grid.N**grid.dim, precision)
         # Equal batches: no transform is spent on padding but in the last share.
         self._batch = -(-longest // -(-longest // largest))
         self._displacements = -nodes.vectors
@@ -67,7 +71,8 @@ class GainSum:
         self._place = place.reshape(grid.N, -1).astype(np.int32)
         self._accumulate = self._choose_weight(scene, k2)
         self._workers = Workers(
-            min(threads, max(1, len(self.shares))), lambda: _Workspace(self._batch, self.shape)
+            min(threads, max(1, len(self.shares))),
+            lambda: _Workspace(self._batch, self.shape, precision),
         )
 
     def parts(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
@@ -75,8 +80,10 @@ class GainSum:
 
         ``f`` has shape (n, n', n); ``f_hat`` is its half spectrum, Σ_k f̂_k e^{iπk·v/L} = f.
         """
+        f = np.asarray(f, dtype=self.real)
         f_re, f_im = (
-            np.ascontiguousarray(part).reshape(self.grid.N, -1) for part in (f_hat.real, f_hat.imag)
+            np.ascontiguousarray(part, dtype=self.real).reshape(self.grid.N, -1)
+            for part in (f_hat.real, f_hat.imag)
         )
         gains = np.empty((len(self.shares), *f_hat.shape), dtype=np.complex128)
         views = gains.view(np.float64).reshape(len(self.shares), self.grid.N, -1)
@@ -179,8 +186,7 @@ def equal_shares(count: int) -> list[Bounds]:
 class _Workspace:
     """What one thread needs: a batch's transforms and the sum over the shell it is in."""
 
-    def __init__(self, batch: int, shape: tuple[int, int, int]) -> None:
-        self.transforms = RealTransforms(batch, shape)
+    def __init__(self, batch: int, shape: tuple[int, int, int], precision: str) -> None:
+        self.transforms = RealTransforms(batch, shape, precision)
         modes = shape[1] * (shape[2] // 2 + 1)
-        self.sum_re = np.zeros((shape[0], modes))
-        self.sum_im = np.zeros((shape[0], modes))
+        self.sum_re, self.sum_im = np.zeros((2, shape[0], modes), dtype=REAL[precision])

@@ -2,7 +2,8 @@
 
 Spectra are stored as a real transform leaves them, (n, [n,] n/2+1), with all axes but the first as one.
 Phases e^{iπ k·x/L} are outer products of one-dimensional vectors, so no n^d phase array is formed, and
-the vectors are powers of one exponential.
+the vectors are powers of one exponential. The loops take both precisions: phases are powers in double
+precision, and everything over the modes is in that of the spectra.
 """
 
 import numba
@@ -23,9 +24,10 @@ def phase_vector(angle, n, re, im):
     if re.shape[0] == 1:
         return
     c, s = np.cos(angle), np.sin(angle)
+    a, b = 1.0, 0.0
     for k in range(1, n // 2 + 1):
-        re[k] = re[k - 1] * c - im[k - 1] * s
-        im[k] = re[k - 1] * s + im[k - 1] * c
+        a, b = a * c - b * s, a * s + b * c
+        re[k], im[k] = a, b
     im[n // 2] = 0.0
     for k in range(n // 2 + 1, re.shape[0]):
         re[k] = re[n - k]
@@ -56,8 +58,8 @@ def shift(f_re, f_im, displacements, out):
     """
     n, m = f_re.shape
     ny = m // (n // 2 + 1)
-    xr, xi = np.empty(n), np.empty(n)
-    pr, pi = np.empty(m), np.empty(m)
+    xr, xi = np.empty(n, out.dtype), np.empty(n, out.dtype)
+    pr, pi = np.empty(m, out.dtype), np.empty(m, out.dtype)
     for b in range(displacements.shape[0]):
         phase_vector(displacements[b, 0], n, xr, xi)
         phase_plane(displacements[b, 1], displacements[b, 2], 1.0, n, ny, pr, pi)
@@ -98,8 +100,8 @@ def accumulate_pairs(
     """
     n, m = sum_re.shape
     ny = m // (n // 2 + 1)
-    xr, xi = np.empty((2, n)), np.empty((2, n))
-    pr, pi = np.empty((2, m)), np.empty((2, m))
+    xr, xi = np.empty((2, n), products.dtype), np.empty((2, n), products.dtype)
+    pr, pi = np.empty((2, m), products.dtype), np.empty((2, m), products.dtype)
     for b in range(displacements.shape[0]):
         for s in range(2):
             factor = 0.5 + beta if s == 0 else 0.5 - beta

@@ -59,7 +59,7 @@ def planned_operator(scene: Scene, solver: Solver, plan: QuadraturePlan) -> Noda
     products = VelocityGrid(scene.dim, plan.n, solver.R)
     reduced = [None if step is None else step.reduced for step in steps]
     nodes = place_nodes(scene, products, radial, reduced)
-    gain = GainSum(scene, products, nodes, solver.thread_count)
+    gain = GainSum(scene, products, nodes, solver.thread_count, precision=solver.precision)
     return NodalOperator(grid, gain, rules.group, spectrum_axes(grid, loss))
 
 

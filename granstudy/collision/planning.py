@@ -147,7 +147,9 @@ def aliasing(scene: Scene, solver: Solver, f: np.ndarray) -> Aliasing:
     operator = planned_operator(scene, solver, describe_plan(scene, solver, [PROBE] * PROBE_SHELLS))
     Q = operator(f)
     flipped = replace(operator.gain.nodes, vectors=-operator.gain.nodes.vectors)
-    operator.gain = GainSum(scene, operator.gain.grid, flipped, solver.thread_count)
+    operator.gain = GainSum(
+        scene, operator.gain.grid, flipped, solver.thread_count, precision=solver.precision
+    )
     other = operator(f)
     scale = magnitude(operator, f, Q)
     changed = Q - other

@@ -38,7 +38,9 @@ class Shells:
         nodes = place_nodes(self.scene, self.grid, radial, reduced)
         stops = nodes.ends
         shares = list(zip([0, *stops[:-1]], stops, strict=True))
-        gain = GainSum(self.scene, self.grid, nodes, self.solver.thread_count, shares)
+        gain = GainSum(
+            self.scene, self.grid, nodes, self.solver.thread_count, shares, self.solver.precision
+        )
         result = np.zeros((len(radial), self.grid.N**self.grid.dim))
         for (start, _), part in zip(shares, gain.parts(self._f, self._f_hat), strict=True):
             shell = int(nodes.shells[start])

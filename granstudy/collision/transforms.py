@@ -1,15 +1,20 @@
 """Real Fourier transforms on aligned buffers, planned once."""
 
+from typing import Any
+
 import numpy as np
 import pyfftw
 
 BATCH_BYTES = 2**17
 """Small grids are transformed several at a time, one buffer up to this size (it fits a core's cache)."""
 
+REAL: dict[str, np.dtype[Any]] = {"double": np.dtype(np.float64), "single": np.dtype(np.float32)}
+"""Real numbers of each precision (`Solver.precision`)."""
 
-def largest_batch(points: int) -> int:
+
+def largest_batch(points: int, precision: str = "double") -> int:
     """How many densities of so many points are transformed together at the most."""
-    return max(1, BATCH_BYTES // (8 * points))
+    return max(1, BATCH_BYTES // (REAL[precision].itemsize * points))
 
 
 class RealTransforms:
@@ -20,18 +25,20 @@ class RealTransforms:
 
     Attributes
     ----------
-    spectrum : ndarray of complex128, shape (batch, n, n', n/2+1)
-    parts : ndarray of float64, shape (batch, n, 2 n' (n/2+1))
+    spectrum : complex ndarray, shape (batch, n, n', n/2+1)
+    parts : real ndarray, shape (batch, n, 2 n' (n/2+1))
         The same memory, real and imaginary parts in turn, all axes but the first as one.
-    density : ndarray of float64, shape (batch, n, n', n)
+    density : real ndarray, shape (batch, n, n', n)
         The same memory, rows padded.
     """
 
-    def __init__(self, batch: int, shape: tuple[int, int, int]) -> None:
+    def __init__(self, batch: int, shape: tuple[int, int, int], precision: str = "double") -> None:
         nx, ny, nz = shape
-        self.spectrum = pyfftw.zeros_aligned((batch, nx, ny, nz // 2 + 1), dtype="complex128")
-        self.parts = self.spectrum.view("float64").reshape(batch, nx, -1)
-        self.density = self.spectrum.view("float64")[..., :nz]
+        real = REAL[precision]
+        complex_ = np.result_type(real, np.complex64)
+        self.spectrum = pyfftw.zeros_aligned((batch, nx, ny, nz // 2 + 1), dtype=complex_)
+        self.parts = self.spectrum.view(real).reshape(batch, nx, -1)
+        self.density = self.spectrum.view(real)[..., :nz]
         axes = (1, 2, 3) if ny > 1 else (1, 3)
         # FFTW_ESTIMATE: the other planners give different bits from process to process, and gain
         # little.

@@ -18,6 +18,7 @@ from scipy.signal import fftconvolve
 
 import granstudy as gs
 from granstudy.collision import transforms
+from granstudy.symmetry import apply
 
 CONVERGED = {2: {"M_cir": 64, "N_rho": 24}, 3: {"M_sph": 302, "N_rho": 20}}
 """Nodes with which the quadrature error on `BOXES` is far under the aliasing."""
@@ -156,6 +157,24 @@ def test_a_rule_without_antipodes_is_symmetrised():
     scene = asymmetric_scene(2)
     assert_near(fast_Q(scene, M_cir=15), fast_Q(scene, M_cir=30), 1e-6)
     assert relative_error(fast_Q(scene, M_cir=3), fast_Q(scene, M_cir=30)) > 1e-4
+
+
+@pytest.mark.parametrize("restitution", [0.3, gs.Viscoelastic(0.1)], ids=str)
+@pytest.mark.parametrize("dim", [2, 3])
+def test_single_precision_differs_by_its_round_off(dim, restitution):
+    scene = asymmetric_scene(dim, seed=5, exponent=1.0, restitution=restitution)
+    few = {"N": 16, "N_rho": 8, "M_cir": 16, "M_sph": 26}
+    single, double = (fast_Q(scene, **few, precision=p) for p in ("single", "double"))
+    assert single.dtype == np.float64
+    # beyond single precision's 6e-8, and not that of double
+    assert 1e-9 < relative_error(single, double) < 2e-6
+
+
+def test_single_precision_keeps_a_scenes_symmetry():
+    scene = gs.load_scene("bkw3d", restitution=0.5)
+    Q = fast_Q(scene, N=16, R=7.0, M_sph=26, sphere_rule="lebedev", precision="single")
+    for h in scene.symmetry.generators:
+        assert np.array_equal(apply(h, Q), Q)
 
 
 class CountingFFTW:
