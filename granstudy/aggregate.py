@@ -15,6 +15,9 @@ from granstudy.errors import unknown_name
 NOT_SWEPT = ("N_theta", "N_phi", "time")
 """Coordinates of a run that follow from others."""
 
+CPU = "cpu"
+"""The device of runs that do not say which."""
+
 Where = str | Path | Iterable[str | Path]
 
 
@@ -32,7 +35,7 @@ def open_runs(where: Where) -> xr.Dataset:
         Variables with a leading dimension ``run``, as Dask arrays; every parameter (e, N, variant,
         dt, ...) is a coordinate along ``run``. `status` says how a run ended, `reason` and
         `warnings` why. Times after the end of a run that ended early hold NaN. N_theta and N_phi
-        are −1 for sphere rules that have none.
+        are −1 for sphere rules that have none; `device` is there where a GPU made a run.
 
     Raises
     ------
@@ -132,7 +135,7 @@ def run_files(where: Where) -> list[str]:
 
 
 def _open(where: Where, preprocess: Callable[[xr.Dataset], xr.Dataset]) -> xr.Dataset:
-    return xr.open_mfdataset(
+    runs = xr.open_mfdataset(
         run_files(where),
         engine="netcdf4",
         combine="nested",
@@ -145,6 +148,7 @@ def _open(where: Where, preprocess: Callable[[xr.Dataset], xr.Dataset]) -> xr.Da
         join="outer",
         combine_attrs="drop_conflicts",
     )
+    return runs.drop_vars("device") if set(runs["device"].values) == {CPU} else runs
 
 
 def _labelled(ds: xr.Dataset) -> xr.Dataset:
@@ -152,6 +156,7 @@ def _labelled(ds: xr.Dataset) -> xr.Dataset:
     status = ds["status"]
     texts = {name: ((), status.attrs.pop(name, "")) for name in ("reason", "warnings")}
     scalars = {name: c.values for name, c in ds.coords.items() if c.ndim == 0}
+    scalars = {"device": np.array(CPU)} | scalars
     if "sphere_rule" in scalars:
         scalars = {"N_theta": np.array(-1), "N_phi": np.array(-1)} | scalars
     ds = ds.assign(texts).drop_vars(list(scalars), errors="ignore").expand_dims("run")

@@ -262,5 +262,7 @@ def _parameters(scene: Scene, solver: Solver, swept: list[str]) -> dict[str, Any
     parameters = run_coordinates(scene, solver)
     if "symmetry" in swept:
         parameters["symmetry"] = scene.symmetry.name
+    if "device" in swept:
+        parameters["device"] = solver.device
     unused = UNUSED.get(solver.method, ())
     return {name: value for name, value in parameters.items() if name not in unused}

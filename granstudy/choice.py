@@ -64,6 +64,10 @@ def choose(scene: Scene, solver: Solver) -> Choice:
 
 def choose_method(scene: Scene, solver: Solver) -> tuple[Solver, str]:
     """The solver with a method for the scene, and why in a line."""
+    plain = replace(solver, dealias=False, precision="double")  # which is all that the others know
+    fast = replace(solver, method="fast")
+    if solver.device == "gpu":
+        return fast, "fast: the one method that runs on a GPU"
     if callable(scene.restitution):
         obstacle = "restitution depends on the impact speed"
     else:
@@ -74,12 +78,10 @@ def choose_method(scene: Scene, solver: Solver) -> tuple[Solver, str]:
         else:
             N = radial_nodes(solver.N)
             why = f"isotropic density, constant e: {N} speeds resolve what N={solver.N} does"
-            return replace(solver, method="radial", N=N, precision="double"), f"radial: {why}"
-    fast = replace(solver, method="fast")
+            return replace(plain, method="radial", N=N), f"radial: {why}"
     if solver.rtol is not None:
         return fast, f"fast: {obstacle}, and no other method chooses directions for a tolerance"
-    double = replace(solver, precision="double")  # which is all that the others know
-    candidates = [fast, replace(double, method="direct"), _carleman(scene, double)]
+    candidates = [fast, replace(plain, method="direct"), _carleman(scene, plain)]
     timed = [(estimate(scene, other, 1).each, other) for other in candidates if other is not None]
     timed.sort(key=lambda pair: pair[0])
     allowed = next(seconds for seconds, other in timed if other is fast) / WORTH_IT

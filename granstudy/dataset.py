@@ -55,7 +55,9 @@ def run_coordinates(scene: Scene, solver: Solver, dt: float | None = None) -> di
         if scene.dim == 3:
             coordinates["sphere_rule"] = solver.sphere_rule
         coordinates["radial_rule"] = solver.radial_rule
-    coordinates["precision"] = solver.precision
+    coordinates |= {"dealias": solver.dealias, "precision": solver.precision}
+    if solver.device != "cpu":
+        coordinates["device"] = solver.device
     if dt is not None:
         coordinates["dt"] = dt
     return coordinates

@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from granstudy.aggregate import open_runs
+from granstudy.front import families
 from granstudy.front_figure import draw_front
 from granstudy.look import (
     COLOURS,
@@ -248,7 +249,8 @@ def _speed(table: xr.Dataset) -> Figure:
     figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 1.0), layout="constrained")
     ax = figure.subplots()
     counts = np.unique(table["threads"]).tolist()
-    for (method, threads), line in _lines(table, ["method", "threads"]):
+    named = table.assign_coords(method=("run", families(table)))
+    for (method, threads), line in _lines(named, ["method", "threads"]):
         all_threads = int(threads) == counts[-1]
         plural = "thread" if threads == "1" else "threads"
         ax.plot(

@@ -1,7 +1,7 @@
 """A forecast of a run: the method and why, what an evaluation of Q takes, seconds, memory, error."""
 
 import dataclasses
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from granstudy.choice import choose
@@ -23,6 +23,9 @@ from granstudy.kernel import check_restitution
 from granstudy.scene import Scene
 from granstudy.solver import Solver
 from granstudy.tuning import CHECK_EVERY
+
+NOT_TIMED = "seconds are those of device 'cpu'"
+"""What is said of a run on a GPU: no constants of `granstudy.cost` are."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -117,9 +120,10 @@ def plan(
     evaluations = 3 * steps if steps else 1
     seconds = on_threads(setup_seconds(scene, solver, one_thread), solver.method, threads)
     seconds += (evaluations + checks) * each + steps * step_seconds(scene, solver)
+    reasons = [choice.reason, NOT_TIMED if solver.device == "gpu" else ""]
     return Forecast(
         method=solver.method,
-        reason=choice.reason,
+        reason="; ".join(filter(None, reasons)),
         dim=scene.dim,
         N=solver.N,
         R=float(solver.R),
@@ -138,6 +142,7 @@ def plan(
 
 def _count(scene: Scene, solver: Solver) -> tuple[QuadraturePlan | None, int, int, int]:
     """The quadrature planned, the nodes, the exact number of transforms and their points a dimension."""
+    solver = replace(solver, device="cpu")  # the same sums, known without a GPU
     if solver.operator == "adaptive" or solver.method == "carleman":
         # How many they take is known when they are made.
         operator = collision_operator(scene, solver)

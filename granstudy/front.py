@@ -5,7 +5,8 @@ import xarray as xr
 
 TOLERANCE = ", rtol"
 SINGLE = ", single"
-"""What is added to the method of a run with a tolerance, or in single precision."""
+ON_GPU = ", gpu"
+"""What is added to the method of a run with a tolerance, in single precision, or on a GPU."""
 
 
 def on_front(seconds: np.ndarray, error: np.ndarray) -> np.ndarray:
@@ -34,15 +35,22 @@ def fastest_within(seconds: np.ndarray, error: np.ndarray, largest: float) -> in
 
 
 def families(table: xr.Dataset) -> list[str]:
-    """What each run of a table counts as on the front: its method, with `TOLERANCE` and `SINGLE`."""
+    """What each run of a table counts as on the front: its method, with `TOLERANCE`, `SINGLE`, `ON_GPU`."""
 
     def along(name: str, absent: object) -> np.ndarray:
         values = table[name].values if name in table.coords else np.array(absent)
         return np.broadcast_to(values, table.sizes["run"])
 
     return [
-        str(method) + TOLERANCE * bool(rtol > 0) + SINGLE * (precision == "single")
-        for method, rtol, precision in zip(
-            along("method", ""), along("rtol", -1.0), along("precision", ""), strict=True
+        str(method)
+        + TOLERANCE * bool(rtol > 0)
+        + SINGLE * (precision == "single")
+        + ON_GPU * (device == "gpu")
+        for method, rtol, precision, device in zip(
+            along("method", ""),
+            along("rtol", -1.0),
+            along("precision", ""),
+            along("device", ""),
+            strict=True,
         )
     ]

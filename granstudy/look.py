@@ -14,6 +14,10 @@ METHOD_COLOURS = {
     "carleman": "#009E73",
     "direct": "#0072B2",
     "radial": "#E69F00",
+    "fast, gpu": "#332288",
+    "fast, single, gpu": "#6699CC",
+    "fast, rtol, gpu": "#117733",
+    "fast, rtol, single, gpu": "#999933",
 }
 """A method has the same colour in every figure."""
 
@@ -29,6 +33,10 @@ METHODS_FIRST = {
             "fast, rtol, single",
             "carleman",
             "radial",
+            "fast, gpu",
+            "fast, single, gpu",
+            "fast, rtol, gpu",
+            "fast, rtol, single, gpu",
         )
     )
 }

@@ -8,7 +8,7 @@ from typing import Any
 from urllib.parse import quote
 
 from granstudy.choice import choose
-from granstudy.collision import carleman_scenes
+from granstudy.collision import carleman_scenes, device
 from granstudy.collision.rules import directions
 from granstudy.cost import Cost, estimate
 from granstudy.evolve import step_count
@@ -109,7 +109,8 @@ class Run:
         settings |= {key: value for key, value in self.values if key in fields}
         if self.is_reference and self._value("method", None) != "radial":
             assert self.model.reference is not None
-            settings.pop("rtol", None)
+            for own in ("rtol", "precision", "device"):  # of the run's; a reference says its own
+                settings.pop(own, None)
             settings |= self.model.reference.model_dump(exclude_unset=True)
         chosen = "rtol" in settings and settings.get("method", "fast") in TAKES_RTOL
         for needed in ("N", "R"):
@@ -165,6 +166,8 @@ class Run:
             check_isotropic(self.scene, solver.R)
         elif solver.rtol is None:
             directions(self.scene, solver)
+        if solver.device == "gpu":
+            device.check_scene(self.scene)
         if solver.method == "carleman":
             carleman_scenes.check_scene(self.scene)
         if self.model.reference is not None and not self.is_reference:

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import math
 import os
 from dataclasses import dataclass
 from typing import Any
@@ -12,11 +13,11 @@ from granstudy.grid import VelocityGrid, check_node_count, check_point_count, ch
 METHODS = ("auto", "literal", "direct", "fast", "radial", "carleman")
 VARIANTS = ("full", "separate")
 RADIAL_RULES = ("legendre", "jacobi")
-
 PRECISIONS = ("double", "single")
+DEVICES = ("cpu", "gpu")
 
-TAKES_SINGLE = ("auto", "fast")
-"""Methods that take single precision; where `auto` takes another one, that runs in double."""
+ONLY_FAST = {"dealias": True, "precision": "single", "device": "gpu"}
+"""Fields with the value that `fast` alone takes; where `auto` takes another method, it runs without."""
 
 CHOSEN_BY_RTOL = {"N_rho", "M_sph", "M_cir", "sphere_rule", "radial_rule"}
 """Fields that a tolerance takes the place of."""
@@ -63,11 +64,17 @@ class Solver:
     circular : bool
         For `direct`: do as the paper's direct method does. l+m wraps around the spectrum, as
         products on the grid do, and sinc is evaluated as in the paper's code.
+    dealias : bool
+        For `fast`, and `auto`: form the products on a grid of 3N/2 points a dimension, so that nothing wraps
+        around the spectrum; about three times the time.
     precision : str
         For `fast`, and `auto`: ``double``, or ``single`` for the transforms and loops of the gain's nodes,
         about twice as fast, with a round-off of some 1e-7 of max|Q⁺|.
     threads : int or None
         Threads to use, None for one a core. Results do not depend on it.
+    device : str
+        ``cpu`` or ``gpu``: where `fast` sums over its nodes. A GPU needs CuPy or PyTorch (``pip install
+        'granstudy[gpu]'``) and a restitution that is a constant; results differ by round-off.
 
     Raises
     ------
@@ -86,8 +93,10 @@ class Solver:
     radial_rule: str = "legendre"
     rtol: float | None = None
     circular: bool = False
+    dealias: bool = False
     precision: str = "double"
     threads: int | None = None
+    device: str = "cpu"
 
     def __post_init__(self) -> None:
         if self.N is None or self.R is None:
@@ -110,14 +119,11 @@ class Solver:
             ("method", METHODS),
             ("radial_rule", RADIAL_RULES),
             ("precision", PRECISIONS),
+            ("device", DEVICES),
         ):
             if getattr(self, field) not in allowed:
                 raise unknown_name(field, getattr(self, field), allowed)
-        if self.precision == "single" and self.method not in TAKES_SINGLE:
-            raise ValueError(
-                f"precision='single': only methods {', '.join(map(repr, TAKES_SINGLE))} take it, "
-                f"not {self.method!r}"
-            )
+        self._check_only_fast()
         if self.rtol is not None:
             self._check_rtol(self.rtol)
 
@@ -129,6 +135,15 @@ class Solver:
                 )
         if self.N is not None or self.R is not None:
             raise ValueError(f"N={self.N!r}, R={self.R!r}: rtol chooses both; give both or neither")
+
+    def _check_only_fast(self) -> None:
+        if not isinstance(self.dealias, bool):
+            raise ValueError(f"dealias={self.dealias!r}: must be True or False")
+        for field, value in ONLY_FAST.items():
+            if getattr(self, field) == value and self.method not in ("auto", "fast"):
+                raise ValueError(
+                    f"{field}={value!r}: only methods 'auto' and 'fast' take it, not {self.method!r}"
+                )
 
     def _check_rtol(self, rtol: object) -> None:
         if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 0.0 < rtol < 1.0:
@@ -147,13 +162,24 @@ class Solver:
 
     @property
     def operator(self) -> str:
-        """Name of the operator behind the method: ``adaptive`` for `fast` with a tolerance."""
-        return "adaptive" if self.method == "fast" and self.rtol is not None else self.method
+        """Name of the operator behind the method: ``adaptive`` for `fast` with a tolerance, ``on gpu``."""
+        adaptive = self.method == "fast" and self.rtol is not None
+        name = "adaptive" if adaptive else self.method
+        return f"{name} on gpu" if self.device == "gpu" else name
 
     @property
     def is_open(self) -> bool:
         """Whether it leaves the method or the grid to be chosen for a scene."""
         return self.method == "auto" or self.N is None
+
+    @property
+    def product_points(self) -> int:
+        """Points a dimension on which `fast` forms products: N, or 3N/2 and even where they are padded.
+
+        Two spectra of modes up to N/2 have a product with modes up to N; on 3N/2 points those above N wrap
+        around to modes of N/2 and more, which are dropped.
+        """
+        return 2 * math.ceil(3 * self.N / 4) if self.dealias else self.N
 
     def grid(self, dim: int) -> VelocityGrid:
         """The Cartesian velocity grid in ``dim`` dimensions, of every method but `radial`."""
@@ -168,11 +194,10 @@ class Solver:
         """The solver as plain data, for a dataset's attributes.
 
         ``threads`` is left out: it changes how long a run takes, not what comes out. So is what plays no
-        part, ``rtol`` or what it chooses, and ``precision`` where it is double.
+        part, ``rtol`` or what it chooses, and so are fields of `ONLY_FAST` that are not in use.
         """
         unused = {"rtol"} if self.rtol is None else set(CHOSEN_BY_RTOL)
-        if self.precision == "double":
-            unused.add("precision")
+        unused |= {field for field, value in ONLY_FAST.items() if getattr(self, field) != value}
         return {
             key: value
             for key, value in dataclasses.asdict(self).items()

@@ -24,7 +24,9 @@ SWEPT = (
     "method",
     "sphere_rule",
     "radial_rule",
+    "dealias",
     "precision",
+    "device",
     "dt",
 )
 """What a study can sweep, in the order of a run's path."""
@@ -74,7 +76,9 @@ class SolverModel(_Model):
         Field(description="tolerance of Q's quadrature error, in place of N_rho, M_.."),
     ] = None
     circular: bool | None = None
+    dealias: Annotated[bool | None, Field(description="pad the products of fast")] = None
     precision: Annotated[str | None, Field(description="double, or single for fast")] = None
+    device: Annotated[str | None, Field(description="cpu or gpu; default: cpu")] = None
 
 
 class TimeModel(_Model):

@@ -15,6 +15,7 @@ from granstudy.aggregate import final_values, open_runs
 from granstudy.dataset import CONVENTIONS, Status, read_dataset, write_dataset
 from granstudy.errors import unknown_name
 from granstudy.fits import fit_haff, fit_order, growth_exponent
+from granstudy.front import families
 from granstudy.markdown import markdown_table
 from granstudy.printed import match_printed, printed_quantity
 from granstudy.whole_file import write_whole
@@ -203,7 +204,7 @@ def _with_growth(table: xr.Dataset) -> xr.Dataset:
     """Add the exponents of time and memory in N, of each method, and those of N^{d+1} log N."""
     exponents = np.full((3, table.sizes["run"]), np.nan)
     groups: dict[tuple[Any, ...], list[int]] = {}
-    for i, key in enumerate(zip(table["method"].values, table["threads"].values, strict=True)):
+    for i, key in enumerate(zip(families(table), table["threads"].values, strict=True)):
         groups.setdefault(key, []).append(i)
     for members in groups.values():
         N = table["N"].values[members].astype(float)

@@ -24,10 +24,12 @@ GOOD_SOLVER = {"N": 8, "R": 7.0}
         ({"variant": "seperate"}, "unknown variant 'seperate' .did you mean 'separate'"),
         ({"method": "quick"}, "unknown method 'quick'.*auto, literal, direct, fast, radial"),
         ({"radial_rule": "simpson"}, "unknown radial_rule 'simpson'"),
+        ({"dealias": 1}, "dealias=1: must be True or False"),
+        ({"dealias": True, "method": "direct"}, "dealias=True: only methods 'auto' and 'fast'"),
         ({"precision": "half"}, "unknown precision 'half'.*double, single"),
         (
             {"precision": "single", "method": "literal"},
-            "precision='single': only methods .auto., .fast. take",
+            "precision='single': only methods .auto. and .fast. take",
         ),
         ({"rtol": 0.0}, "rtol=0.0: must be a number between 0 and 1, or None"),
         ({"rtol": 1.0}, "rtol=1.0: must be a number between 0 and 1"),
@@ -35,6 +37,11 @@ GOOD_SOLVER = {"N": 8, "R": 7.0}
         (
             {"rtol": 1e-6, "method": "literal"},
             "rtol=1e-06: only methods .auto., .fast., .radial. take",
+        ),
+        ({"device": "cuda"}, "unknown device 'cuda': allowed are cpu, gpu"),
+        (
+            {"device": "gpu", "method": "direct"},
+            "device='gpu': only methods 'auto' and 'fast' take it, not 'direct'",
         ),
         ({"rtol": 1e-6, "M_sph": 6}, "M_sph=6: rtol=1e-06 chooses it; leave one of them out"),
     ],

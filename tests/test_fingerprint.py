@@ -57,6 +57,13 @@ def test_they_do_not_depend_on_where_the_package_lies(package):
     assert all_fingerprints() == here
 
 
+def test_runs_on_the_cpu_do_not_depend_on_how_a_gpu_sums(package):
+    before, gpu = all_fingerprints(), run_fingerprint("evolution", "fast on gpu")
+    edited(package / "collision" / "device_gain.py", "import ", "import cmath, ")
+    assert changed(before) == set()
+    assert run_fingerprint("evolution", "fast on gpu") != gpu
+
+
 def test_comments_and_docstrings_change_nothing(package):
     before = all_fingerprints()
     for path in package.rglob("*.py"):

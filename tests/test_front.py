@@ -57,6 +57,17 @@ def test_tolerances_are_a_family_of_their_own(table):
     assert families(table) == ["literal", "fast", "fast, rtol", "fast, rtol", "fast"]
 
 
+def test_runs_on_a_gpu_are_too(table):
+    device = ["cpu", "cpu", "gpu", "gpu", "gpu"]
+    swept = table.assign_coords(device=("run", device))
+    names = ["literal", "fast", "fast, rtol, gpu", "fast, rtol, gpu", "fast, gpu"]
+    assert families(swept) == names
+    single = table.assign_coords(device="gpu", precision="single")
+    assert families(single)[1:3] == ["fast, single, gpu", "fast, rtol, single, gpu"]
+    labels = [text.get_text() for text in draw_front([swept]).legends[0].get_texts()]
+    assert labels[:3] == ["literal", "fast", "fast, rtol, gpu"]
+
+
 def test_the_figure_marks_front_and_baseline_on_all_threads(table):
     figure = draw_front([table, table, table])
     ax = figure.axes[0]

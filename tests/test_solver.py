@@ -21,6 +21,13 @@ def test_threads_change_no_description():
     assert gs.Solver(8, 5.0).thread_count == len(os.sched_getaffinity(0))
 
 
+def test_the_device_is_described_where_it_is_not_the_cpu():
+    assert gs.Solver(8, 5.0, device="gpu").describe()["device"] == "gpu"
+    assert "device" not in gs.Solver(8, 5.0, device="cpu").describe()
+    fast, adaptive = gs.Solver(8, 5.0, device="gpu"), gs.Solver(8, 5.0, rtol=1e-3, device="gpu")
+    assert (fast.operator, adaptive.operator) == ("fast on gpu", "adaptive on gpu")
+
+
 def test_a_tolerance_takes_the_place_of_sizes():
     solver = gs.Solver(8, 5.0, rtol=1e-3)
     assert solver.describe()["rtol"] == 1e-3

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from granstudy.collision.fast import MakeGain, gain_sum
 from granstudy.collision.plan import QuadraturePlan
 from granstudy.collision.planned import planned_operator, quadrature_error, refine
 from granstudy.collision.planning import make_plan
@@ -18,18 +19,19 @@ class AdaptiveOperator:
         The quadrature in use, first made for the scene's initial density.
     """
 
-    def __init__(self, scene: Scene, solver: Solver) -> None:
+    def __init__(self, scene: Scene, solver: Solver, make_gain: MakeGain = gain_sum) -> None:
         self.scene = scene
         self.solver = solver
         self.grid = solver.grid(scene.dim)
+        self._make_gain = make_gain
         self._use(make_plan(scene, solver, scene.density(self.grid)))
 
     def _use(self, plan: QuadraturePlan) -> None:
         self.plan = plan
-        self.operator = planned_operator(self.scene, self.solver, plan)
+        self.operator = planned_operator(self.scene, self.solver, plan, self._make_gain)
         self.transforms = self.operator.transforms
         finer = refine(self.scene, self.solver, plan)
-        self._finer = planned_operator(self.scene, self.solver, finer)
+        self._finer = planned_operator(self.scene, self.solver, finer, self._make_gain)
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
         """Q(f,f) of a real density."""

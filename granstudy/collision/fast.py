@@ -11,10 +11,12 @@ w_r/|H|. It differs from the fast sum without H by aliasing alone: there each pa
 of its two nodes, here at r's images.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from granstudy.collision import kernels
-from granstudy.collision.gain import GainSum
+from granstudy.collision.gain import Gain, GainSum
 from granstudy.collision.nodes import Nodes, place_nodes
 from granstudy.collision.operator import check_state
 from granstudy.collision.rules import directions, radial_nodes, reduce_directions
@@ -27,23 +29,24 @@ from granstudy.scene import Scene
 from granstudy.solver import Solver
 from granstudy.symmetry import Symmetry
 
+MakeGain = Callable[[Scene, Solver, VelocityGrid, Nodes], Gain]
+
 
 class NodalOperator:
     """Q(f,f) for real f by a sum over given nodes.
 
     Parameters
     ----------
-    gain : GainSum
-        On ``grid``, or on a smaller grid that holds the spectra of f and of Q.
+    gain : Gain
+        On ``grid``, on a smaller grid that holds the spectra of f and of Q, or on a larger one, where the
+        products do not wrap around the spectrum; those of the loss are then formed there as well.
     group : Symmetry
         Under which the sum is symmetrised, and which densities must have.
     loss : ndarray, shape (N, N', N/2+1)
         G⁻ on the half spectrum of ``grid``.
     """
 
-    def __init__(
-        self, grid: VelocityGrid, gain: GainSum, group: Symmetry, loss: np.ndarray
-    ) -> None:
+    def __init__(self, grid: VelocityGrid, gain: Gain, group: Symmetry, loss: np.ndarray) -> None:
         self.grid = grid
         self.gain = gain
         self.group = group
@@ -51,7 +54,7 @@ class NodalOperator:
         self._shape = (grid.N, grid.N if grid.dim == 3 else 1, grid.N)
         self._single = RealTransforms(1, self._shape)
         self._inner = self._single if gain.grid == grid else RealTransforms(1, gain.shape)
-        self.transforms = gain.transforms + (3 if gain.grid == grid else 4)
+        self.transforms = gain.transforms + serial_transforms(grid.N, gain.grid.N)
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
         """Q(f,f) of a real density that has the operator's symmetry."""
@@ -61,8 +64,11 @@ class NodalOperator:
         self.group.spot_check(f, "the density")
         f = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
         f_hat = self._spectrum(f)
-        Q = self._single.backward(self._gain_spectrum(f, f_hat))
-        Q -= self._loss_part(f, f_hat)
+        if self.gain.grid.N > self.grid.N:
+            Q = self._single.backward(self._padded_spectrum(f_hat))
+        else:
+            Q = self._single.backward(self._gain_spectrum(f, f_hat))
+            Q -= self._loss_part(f, f_hat)
         # The loss has the symmetry already; with it, round-off that has not stays as small as it is.
         return self.group.symmetrise(Q.reshape(self.grid.shape))
 
@@ -87,12 +93,25 @@ class NodalOperator:
         f_hat = resize(f_hat, n)
         return resize(self.gain.total(self._inner.backward(f_hat), f_hat), self.grid.N)
 
+    def _padded_spectrum(self, f_hat: np.ndarray) -> np.ndarray:
+        """Q̂ with all products on the gain's larger grid."""
+        n = self.gain.grid.N
+        f_hat_n = resize(f_hat, n)
+        f_n = self._inner.backward(f_hat_n)
+        lost = self._inner.forward(f_n * self._inner.backward(resize(self._loss * f_hat, n)))
+        return resize(self.gain.total(f_n, f_hat_n) - lost / f_n.size, self.grid.N)
+
     def transform(self) -> None:
         """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
         self.gain.transform()
 
 
-def fast_operator(scene: Scene, solver: Solver) -> NodalOperator:
+def gain_sum(scene: Scene, solver: Solver, grid: VelocityGrid, nodes: Nodes) -> GainSum:
+    """The sum over some nodes, on the solver's threads."""
+    return GainSum(scene, grid, nodes, solver.thread_count, precision=solver.precision)
+
+
+def fast_operator(scene: Scene, solver: Solver, make_gain: MakeGain = gain_sum) -> NodalOperator:
     """The operator with the solver's rule: N_rho shells of equally many directions."""
     grid = solver.grid(scene.dim)
     radial, rule = radial_nodes(scene, solver), directions(scene, solver)
@@ -102,8 +121,14 @@ def fast_operator(scene: Scene, solver: Solver) -> NodalOperator:
         loss = loss_weight(scene.kernel, grid, radial.points, radial.weights, half=True)
     else:
         loss = nodal_loss(grid, place_nodes(scene, grid, radial, [half(rule)] * len(radial)))
-    gain = GainSum(scene, grid, nodes, solver.thread_count, precision=solver.precision)
+    products = VelocityGrid(scene.dim, solver.product_points, solver.R)
+    gain = make_gain(scene, solver, products, nodes)
     return NodalOperator(grid, gain, group, spectrum_axes(grid, loss))
+
+
+def serial_transforms(N: int, n: int) -> int:
+    """Transforms beside the nodes': of f, of the loss and back; between grids; of the padded loss."""
+    return 3 if n == N else 4 if n < N else 5
 
 
 def nodal_loss(grid: VelocityGrid, nodes: Nodes) -> np.ndarray:

@@ -11,6 +11,7 @@ for one that depends on the impact speed.
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Protocol
 
 import numpy as np
 
@@ -27,6 +28,29 @@ SMALLEST_SHARE = 12
 """Nodes below which a share of the sum is not worth its overhead."""
 
 Bounds = tuple[int, int]
+
+
+class Gain(Protocol):
+    """Q̂⁺ of a real density on a grid, as a sum over nodes.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Of the densities it takes, (n, n', n), n' = 1 in two dimensions.
+    transforms : int
+        Real transforms that the sum makes.
+    """
+
+    grid: VelocityGrid
+    nodes: Nodes
+    shape: tuple[int, int, int]
+    transforms: int
+
+    def total(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
+        """The sum over all nodes, a half spectrum, of f and its half spectrum f̂."""
+
+    def transform(self) -> None:
+        """Make the transforms of one sum and nothing else, for benchmarks."""
 
 
 class GainSum:
@@ -131,9 +155,8 @@ class GainSum:
             series = pair_series(scene.restitution, grid.dim, nodes.radii, k)
             series *= nodes.measure[:, None, None]
             return partial(self._accumulate_series, series, k2, np.pi / grid.L * nodes.radii)
-        scale = float(alpha(scene.restitution)) * nodes.radii[:, None]
-        means = nodes.measure[:, None] * sphere_mean(grid.dim, scale * k)
-        return partial(self._accumulate_pairs, (1.0 - scene.restitution) / 4.0, means)
+        means = shell_means(scene.restitution, grid.dim, nodes, k)
+        return partial(self._accumulate_pairs, pair_shift(scene.restitution), means)
 
     def _accumulate_pairs(
         self, beta: float, means: np.ndarray, work: "_Workspace", part: slice, gain: np.ndarray
@@ -172,6 +195,16 @@ class GainSum:
             radii,
             gain,
         )
+
+
+def shell_means(e: float, dim: int, nodes: Nodes, k: np.ndarray) -> np.ndarray:
+    """|S|C_λ w_ρ ρ^{d−1+λ} mean(ραk) of every shell at magnitudes k, shape (shells, k)."""
+    return nodes.measure[:, None] * sphere_mean(dim, float(alpha(e)) * nodes.radii[:, None] * k)
+
+
+def pair_shift(e: float) -> float:
+    """β = (1−e)/4: the gains of ±g are displaced by (½ ± β)g."""
+    return (1.0 - e) / 4.0
 
 
 def equal_shares(count: int) -> list[Bounds]:

@@ -21,6 +21,8 @@ OPERATORS = {
     "carleman": ("granstudy.collision.carleman", "CarlemanOperator"),
     "fast": ("granstudy.collision.fast", "fast_operator"),
     "adaptive": ("granstudy.collision.adaptive", "AdaptiveOperator"),
+    "fast on gpu": ("granstudy.collision.on_gpu", "fast_on_gpu"),
+    "adaptive on gpu": ("granstudy.collision.on_gpu", "adaptive_on_gpu"),
 }
 """Module and maker of the operator behind each method; imported only where a method is used, so that a
 run loads, and is fingerprinted by, no other method's code."""
@@ -76,7 +78,14 @@ def concrete(scene: Scene, solver: Solver) -> Choice:
     """The solver with what it leaves open chosen for the scene; itself where it leaves nothing open.
 
     What chooses is imported only where something is open, so that it is no part of other runs' code.
+
+    Raises
+    ------
+    ValueError
+        If it asks for a GPU and there is none, or none that can model the scene.
     """
+    if solver.device == "gpu":  # here, before any work
+        import_module("granstudy.collision.on_gpu").check(scene)
     if not solver.is_open:
         return Choice(solver, solver, "")
     choice: Choice = import_module("granstudy.choice").choose(scene, solver)
@@ -93,7 +102,8 @@ def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:
     ------
     ValueError
         If the scene's restitution leaves [0, 1] at impact speeds up to R, or the quadrature has no
-        rule of the size asked for, or its tolerance cannot be reached on the grid.
+        rule of the size asked for, or its tolerance cannot be reached on the grid, or there is no GPU
+        where one is asked for.
     """
     solver = concrete(scene, solver).solver
     check_restitution(scene.restitution, largest_speed=solver.R)

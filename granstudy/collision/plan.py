@@ -17,7 +17,8 @@ class QuadraturePlan:
     N : int
         Points a dimension of the scene's grid.
     n : int
-        Points a dimension on which the products f(v)f(v−g) are formed, N or fewer.
+        Points a dimension on which the products f(v)f(v−g) are formed: N or fewer; 3N/2 with
+        `Solver.dealias`.
     rule : str
         ``lebedev`` or ``circle``.
     radii : tuple of float

@@ -5,8 +5,14 @@ from dataclasses import replace
 import numpy as np
 import scipy.fft
 
-from granstudy.collision.fast import NodalOperator, nodal_loss, spectrum_axes
-from granstudy.collision.gain import GainSum
+from granstudy.collision.fast import (
+    MakeGain,
+    NodalOperator,
+    gain_sum,
+    nodal_loss,
+    serial_transforms,
+    spectrum_axes,
+)
 from granstudy.collision.nodes import place_nodes
 from granstudy.collision.plan import QuadraturePlan
 from granstudy.collision.rules import converged_radial
@@ -41,7 +47,9 @@ def shell_radii(scene: Scene, solver: Solver, N_rho: int) -> Rule:
     return radial_rule(N_rho, solver.R, "jacobi", scene.dim - 1 + scene.kernel.exponent)
 
 
-def planned_operator(scene: Scene, solver: Solver, plan: QuadraturePlan) -> NodalOperator:
+def planned_operator(
+    scene: Scene, solver: Solver, plan: QuadraturePlan, make_gain: MakeGain = gain_sum
+) -> NodalOperator:
     """The operator that a plan describes, on the solver's grid.
 
     In the variant ``separate`` the loss comes from a radial rule that has converged: it costs nothing.
@@ -59,7 +67,7 @@ def planned_operator(scene: Scene, solver: Solver, plan: QuadraturePlan) -> Noda
     products = VelocityGrid(scene.dim, plan.n, solver.R)
     reduced = [None if step is None else step.reduced for step in steps]
     nodes = place_nodes(scene, products, radial, reduced)
-    gain = GainSum(scene, products, nodes, solver.thread_count, precision=solver.precision)
+    gain = make_gain(scene, solver, products, nodes)
     return NodalOperator(grid, gain, rules.group, spectrum_axes(grid, loss))
 
 
@@ -73,13 +81,13 @@ def describe_plan(scene: Scene, solver: Solver, levels: list[int | None]) -> Qua
         dim=scene.dim,
         rtol=solver.rtol,
         N=solver.N,
-        n=solver.N,
+        n=solver.product_points,
         rule=rules.rule,
         radii=tuple(map(float, shell_radii(scene, solver, len(levels)).points)),
         sizes=tuple(0 if level is None else rules.steps[level].size for level in levels),
         symmetry=rules.group.name,
         nodes=nodes,
-        transforms=2 * nodes + 3,
+        transforms=2 * nodes + serial_transforms(solver.N, solver.product_points),
         error=float("nan"),
         aliasing=float("nan"),
     )

@@ -14,6 +14,7 @@ import numpy as np
 import scipy.fft
 
 from granstudy.collision.allocation import allocate
+from granstudy.collision.fast import serial_transforms
 from granstudy.collision.gain import GainSum
 from granstudy.collision.operator import ToleranceError
 from granstudy.collision.plan import QuadraturePlan
@@ -112,9 +113,11 @@ def make_plan(scene: Scene, solver: Solver, f: np.ndarray) -> QuadraturePlan:
 
 
 def _unreachable(solver: Solver, error: float) -> ToleranceError:
+    cause = "round-off" if solver.dealias else "aliasing"
+    remedy = "" if solver.dealias else ", or dealias=True"
     return ToleranceError(
-        f"rtol={solver.rtol!r}: on N={solver.N} aliasing keeps the sums over directions from settling "
-        f"below {error:.1e} of max|Q|; take a larger N or a larger rtol"
+        f"rtol={solver.rtol!r}: on N={solver.N} {cause} keeps the sums over directions from settling "
+        f"below {error:.1e} of max|Q|; take a larger N or a larger rtol{remedy}"
     )
 
 
@@ -229,6 +232,9 @@ def _choose_grid(
 ) -> QuadraturePlan:
     """The plan on the smallest grid for its products that changes Q by little enough."""
     assert solver.rtol is not None
+    if solver.dealias:  # on no other grid does nothing wrap around
+        n = solver.product_points
+        return replace(plan, n=n, transforms=2 * plan.nodes + serial_transforms(solver.N, n))
     sizes = [n for n in SIZES if plan.n <= n < solver.N]
     if sizes:
         operator = planned_operator(scene, solver, replace(plan, n=solver.N))

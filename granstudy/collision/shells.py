@@ -8,7 +8,8 @@ import scipy.fft
 from granstudy.collision.fast import nodal_loss, spectrum_axes
 from granstudy.collision.gain import GainSum
 from granstudy.collision.nodes import place_nodes
-from granstudy.collision.spectra import unaliased
+from granstudy.collision.spectra import resize, unaliased
+from granstudy.grid import VelocityGrid
 from granstudy.quadrature import Rule
 from granstudy.quadrature.ladder import Ladder
 from granstudy.scene import Scene
@@ -24,8 +25,12 @@ class Shells:
         self.ladder = ladder
         self.grid = solver.grid(scene.dim)
         self._axes = (0, 1, 2) if scene.dim == 3 else (0, 2)
-        self._f = np.ascontiguousarray(f).reshape(len(f), -1, len(f))
-        self._f_hat = scipy.fft.rfftn(self._f, axes=self._axes, norm="forward")
+        wide = np.ascontiguousarray(f).reshape(len(f), -1, len(f))
+        f_hat = scipy.fft.rfftn(wide, axes=self._axes, norm="forward")
+        # What the products are formed of, on their own grid.
+        self._products = VelocityGrid(scene.dim, solver.product_points, solver.R)
+        self._f_hat = resize(f_hat, self._products.N)
+        self._f = wide if solver.product_points == solver.N else self._values(self._f_hat)
 
     def contributions(self, radial: Rule, levels: Sequence[int | None]) -> np.ndarray:
         """Each shell's part of Q with the ladder's rule of its level (None: left out, zero).
@@ -39,27 +44,35 @@ class Shells:
         stops = nodes.ends
         shares = list(zip([0, *stops[:-1]], stops, strict=True))
         gain = GainSum(
-            self.scene, self.grid, nodes, self.solver.thread_count, shares, self.solver.precision
+            self.scene,
+            self._products,
+            nodes,
+            self.solver.thread_count,
+            shares,
+            self.solver.precision,
         )
         result = np.zeros((len(radial), self.grid.N**self.grid.dim))
         for (start, _), part in zip(shares, gain.parts(self._f, self._f_hat), strict=True):
             shell = int(nodes.shells[start])
-            Q = self._values(unaliased(part))
+            Q = self._low_pass(part)
             if self.solver.variant == "full":
                 pairs: list[Rule | None] = [None] * len(steps)
                 pairs[shell] = self.ladder.steps[int(levels[shell] or 0)].pairs
-                loss = nodal_loss(self.grid, place_nodes(self.scene, self.grid, radial, pairs))
+                loss = nodal_loss(
+                    self._products, place_nodes(self.scene, self._products, radial, pairs)
+                )
+                lost = self._values(spectrum_axes(self._products, loss) * self._f_hat)
                 Q -= self._low_pass(
-                    self._f * self._values(spectrum_axes(self.grid, loss) * self._f_hat)
+                    scipy.fft.rfftn(self._f * lost, axes=self._axes, norm="forward")
                 )
             result[shell] = self.ladder.group.symmetrise(Q.reshape(self.grid.shape)).ravel()
         return result
 
-    def _low_pass(self, values: np.ndarray) -> np.ndarray:
-        spectrum = scipy.fft.rfftn(values, axes=self._axes, norm="forward")
-        return self._values(unaliased(spectrum))
+    def _low_pass(self, spectrum: np.ndarray) -> np.ndarray:
+        """Values on the solver's grid of what aliasing does not reach."""
+        return self._values(unaliased(resize(spectrum, self.grid.N)))
 
     def _values(self, spectrum: np.ndarray) -> np.ndarray:
-        """The function with a half spectrum, on the grid."""
-        shape = (self.grid.N,) * self.grid.dim
+        """The function with a half spectrum, on the grid of its size."""
+        shape = (len(spectrum),) * len(self._axes)
         return scipy.fft.irfftn(spectrum, s=shape, axes=self._axes, norm="forward")
