@@ -1,0 +1,34 @@
+"""What the laws of this package ask of their arguments."""
+
+import numpy as np
+
+from granstudy.grid import check_dim
+
+__all__ = ["check_dim", "check_exponent", "check_restitution", "check_tensor"]
+
+
+def check_restitution(restitution: float | np.ndarray) -> None:
+    """Raise ValueError unless ``restitution`` is a number in [0, 1], or an array of such."""
+    if callable(restitution) or not _within_unit_interval(restitution):
+        raise ValueError(f"restitution={restitution!r}: must be a number between 0 and 1")
+
+
+def check_exponent(exponent: float) -> None:
+    """Raise ValueError unless ``exponent`` is a λ between Maxwell molecules and hard spheres."""
+    if not _within_unit_interval(exponent):
+        raise ValueError(f"exponent={exponent!r}: must lie between 0 and 1")
+
+
+def check_tensor(name: str, tensor: np.ndarray, order: int) -> np.ndarray:
+    """``tensor`` as an array; raise ValueError unless it is one of that order in 2D or 3D."""
+    array = np.asarray(tensor, dtype=float)
+    if array.shape not in {(2,) * order, (3,) * order}:
+        raise ValueError(
+            f"{name} has shape {array.shape}: must be {(2,) * order} or {(3,) * order}"
+        )
+    return array
+
+
+def _within_unit_interval(value: float | np.ndarray) -> bool:
+    x = np.asarray(value, dtype=float)
+    return bool(np.all((x >= 0.0) & (x <= 1.0)))

@@ -1,0 +1,104 @@
+"""Temperature of VHS gases: cooling rate of a given shape, Haff's law, the heated steady state."""
+
+import numpy as np
+from scipy.special import gamma
+
+from granstudy.kernel import VHS, sphere_area
+from granstudy.theory.checks import check_dim, check_restitution
+
+MAXWELL_COOLING = "exponent=0: Maxwell molecules cool exponentially; Haff's law needs λ > 0"
+
+
+def gaussian_cooling_coefficient(kernel: VHS, restitution: float, dim: int) -> float:
+    """K of dT/dt = −K T^{1+λ/2} for a Gaussian of unit density.
+
+    From dE/dt = −(1−e²)/16 · |S| C_λ ⟨|g|^{2+λ}⟩ (paper eq. 23, the mean of σ·ĝ being 0) with the relative
+    velocity of a Gaussian of temperature 2T: ⟨|g|^p⟩ = (2T)^{p/2} 2^{p/2} Γ((d+p)/2)/Γ(d/2).
+    """
+    p = 2.0 + kernel.exponent
+    moment = 2.0**p * gamma((dim + p) / 2) / gamma(dim / 2)
+    area = sphere_area(dim)
+    return (1.0 - restitution**2) / (8.0 * dim) * area * kernel.strength * moment
+
+
+def cooling_correction(exponent: float, a2: float, a3: float = 0.0) -> float:
+    """Cooling rate over a Gaussian's of the same temperature, for f = Gaussian × (1 + a2 S_2 + a3 S_3).
+
+    1 + λ(λ+2)/16 a2 − λ(λ+2)(λ−2)/192 a3, in first order of both, the same in 2D and 3D: g has the
+    coefficients a2/2 and a3/4, and ⟨|g|^p⟩ over a Gaussian's is 1 + binom(p/2, 2) a2/2 − binom(p/2, 3) a3/4
+    at p = 2+λ (docs/theory.md §3). Hard spheres: 1 + 3a2/16 + a3/64 (T. van Noije & M. Ernst, Granular Matter
+    1, 57 (1998); N. Brilliantov & T. Pöschel, Europhys. Lett. 74, 424 (2006)).
+    """
+    k = exponent * (exponent + 2.0)
+    return 1.0 + k / 16.0 * a2 - k * (exponent - 2.0) / 192.0 * a3
+
+
+def haff_constant(
+    kernel: VHS,
+    restitution: float,
+    dim: int,
+    T0: float = 1.0,
+    a2: float = 0.0,
+    density: float = 1.0,
+) -> float:
+    """C0 of Haff's law T = T0 (1 + C0 t)^{−2/λ} for a gas of fixed shape, ε = 0 and λ > 0.
+
+    C0 = (λ/2) ρK T0^{λ/2} with K of `gaussian_cooling_coefficient`; 0.3761 (1−e²) √T0 for B = |g|/(4π), times
+    the `cooling_correction` of the shape's kurtosis excess ``a2``.
+
+    Raises
+    ------
+    ValueError
+        For λ = 0, where cooling is exponential.
+    """
+    lam = kernel.exponent
+    if lam == 0.0:
+        raise ValueError(MAXWELL_COOLING)
+    K = gaussian_cooling_coefficient(kernel, restitution, dim) * cooling_correction(lam, a2)
+    return 0.5 * lam * density * K * T0 ** (lam / 2)
+
+
+def haff_temperature(
+    t: np.ndarray | float, T0: float, C0: float, exponent: float = 1.0
+) -> np.ndarray:
+    """Haff's law T = T0 (1 + C0 t)^{−2/λ}, by default of hard spheres.
+
+    It solves dT/dt = −(2/λ) C0 T0^{−λ/2} T^{1+λ/2} (P. Haff, J. Fluid Mech. 134, 401 (1983)).
+
+    Raises
+    ------
+    ValueError
+        For λ = 0, where cooling is exponential.
+    """
+    if exponent == 0.0:
+        raise ValueError(MAXWELL_COOLING)
+    return T0 * (1.0 + C0 * np.asarray(t, dtype=float)) ** (-2.0 / exponent)
+
+
+def heated_temperature(
+    kernel: VHS,
+    restitution: float,
+    dim: int,
+    diffusion: float,
+    a2: float = 0.0,
+    density: float = 1.0,
+) -> float:
+    """Steady temperature of a gas heated by diffusion: 2ε = ρK T^{1+λ/2}.
+
+    K is that of `gaussian_cooling_coefficient`, times the `cooling_correction` of the kurtosis excess ``a2``.
+    Exact for Maxwell molecules, 8ε/((1−e²)ρ|S|C); for others a Gaussian's, or in first order in a2.
+
+    Raises
+    ------
+    ValueError
+        If ε ≤ 0 or e is not in [0, 1): no temperature is then steady; or the dimension is not 2 or 3.
+    """
+    check_dim(dim)
+    check_restitution(restitution)
+    if restitution == 1.0:
+        raise ValueError("restitution=1.0: elastic collisions take no energy; it must be below 1")
+    if not diffusion > 0.0:
+        raise ValueError(f"diffusion={diffusion!r}: must be positive for a heated steady state")
+    lam = kernel.exponent
+    K = gaussian_cooling_coefficient(kernel, restitution, dim) * cooling_correction(lam, a2)
+    return float((2.0 * diffusion / (density * K)) ** (2.0 / (2.0 + lam)))

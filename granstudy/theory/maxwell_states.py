@@ -1,0 +1,131 @@
+"""Exact moments and tail of the states that Maxwell molecules approach: cooling, and heated.
+
+Of an isotropic density f̂(k) = ∫e^{−ik·v} f dv is a function of x = |k|²/2. With ν = ρ|S|C_0, ρ = 1,
+α = (1+e)/4 and y = (1−μ)/2, μ the cosine of the angle of σ and k (A. Bobylev, Sov. Sci. Rev. C 7, 111 (1988);
+M. Ernst & R. Brito, J. Stat. Phys. 109, 407 (2002); docs/theory.md §2),
+
+    ∂t f̂(x) + 2εx f̂ = ν [⟨f̂(ax) f̂(bx)⟩ − f̂(x)],    a = 1 − 4α(1−α)y,  b = 4α²y.
+
+So the moments in f̂ = Σ_n (−x)^n μ_n/n!, which are ⟨|v|^{2n}⟩ over their value for a Gaussian of T = 1, obey
+
+    μ_n' = ν [G_n − r_n μ_n] + 2nε μ_{n−1},
+    G_n = Σ_{j=1}^{n−1} binom(n,j) ⟨a^j b^{n−j}⟩ μ_j μ_{n−j},    r_n = 1 − ⟨a^n⟩ − ⟨b^n⟩,
+
+with μ_1 = T, r_1 = (1−e²)/4. In Sonine coefficients, μ_2/T² = 1 + a2 and μ_3/T³ = 1 + 3a2 − a3.
+"""
+
+from math import comb
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import gammaln, hyp2f1, roots_jacobi
+
+from granstudy.theory.checks import check_dim, check_restitution
+
+
+def maxwell_cooling_moments(order: int, restitution: float, dim: int) -> np.ndarray:
+    """μ_n/T^n, n = 0..order, of the cooling state (ε = 0); inf from the first that diverges on.
+
+    With μ_n ~ T^n the equation of μ_n leaves (r_n − n r_1) μ_n = G_n. Where r_n ≤ n r_1, μ_n/T^n grows for
+    ever: 2n is then at least the exponent of `maxwell_tail_exponent`. At n = 2 it is never so: a2 is
+    finite for every e.
+
+    Raises
+    ------
+    ValueError
+        If e is not a number in [0, 1], the dimension not 2 or 3, or the order below 1.
+    """
+    moments = _first_moments(order, restitution, dim)
+    r1 = (1.0 - restitution**2) / 4.0
+    for n in range(2, order + 1):
+        G, r = _gain_and_decay(moments, n, restitution, dim)
+        if r <= n * r1:
+            moments[n:] = np.inf
+            break
+        moments[n] = G / (r - n * r1)
+    return moments
+
+
+def maxwell_heated_moments(order: int, restitution: float, dim: int) -> np.ndarray:
+    """μ_n/T^n, n = 0..order, of the steady state with heating, 2ε = r_1 νT; all are finite.
+
+    r_n μ_n = G_n + n r_1 μ_{n−1}. At e = 1 no state is steady; the moments are those of e → 1, a Gaussian's.
+
+    Raises
+    ------
+    ValueError
+        If e is not a number in [0, 1], the dimension not 2 or 3, or the order below 1.
+    """
+    moments = _first_moments(order, restitution, dim)
+    r1 = (1.0 - restitution**2) / 4.0
+    for n in range(2, order + 1):
+        G, r = _gain_and_decay(moments, n, restitution, dim)
+        moments[n] = (G + n * r1 * moments[n - 1]) / r
+    return moments
+
+
+def sonine_coefficients(moments: np.ndarray) -> tuple[float, float]:
+    """a2 and a3 from μ_n/T^n, n = 0..3 at least: a2 = μ_2 − 1, a3 = 1 + 3a2 − μ_3."""
+    a2 = moments[2] - 1.0
+    return float(a2), float(1.0 + 3.0 * a2 - moments[3])
+
+
+def maxwell_tail_exponent(restitution: float, dim: int) -> float:
+    """Exponent p of the cooling state's tail, f ~ |v|^{−d−p}: ⟨|v|^q⟩ is finite for q < p only.
+
+    A term x^s of f̂(xT(t)), s not an integer, makes the tail |v|^{−d−2s} (P. Krapivsky & E. Ben-Naim,
+    J. Phys. A 35, L147 (2002); M. Ernst & R. Brito, Europhys. Lett. 58, 182 (2002)). f̂'s equation to first
+    order in that term, its factors taken at x = 0, gives
+
+        r_s = 1 − ⟨a^s⟩ − ⟨b^s⟩ = s r_1,    p = 2s,    s > 1.
+
+    r_s − s r_1 is concave in s, 0 at s = 1, positive at 2, negative at 1/r_1: one root, between these.
+    At e = 1 there is no such tail: inf.
+
+    Raises
+    ------
+    ValueError
+        If e is not a number in [0, 1], or the dimension not 2 or 3.
+    """
+    check_dim(dim)
+    check_restitution(restitution)
+    r1 = (1.0 - restitution**2) / 4.0
+    if r1 == 0.0:
+        return float("inf")
+    s = brentq(lambda s: decay_rate(s, restitution, dim) - s * r1, 2.0, 1.0 / r1, xtol=1e-13)
+    return 2.0 * float(s)
+
+
+def decay_rate(s: float, restitution: float, dim: int) -> float:
+    """r_s = 1 − ⟨a^s⟩ − ⟨b^s⟩ for real s > 0.
+
+    y has the Beta(δ, δ) distribution on (0, 1), δ = (d−1)/2: ⟨y^s⟩ = (δ)_s/(2δ)_s, and with z = 4α(1−α)
+    ⟨(1 − zy)^s⟩ = ₂F₁(−s, δ; 2δ; z).
+    """
+    alpha, delta = (1.0 + restitution) / 4.0, (dim - 1) / 2
+    pochhammers = gammaln(delta + s) - gammaln(delta) - gammaln(2 * delta + s) + gammaln(2 * delta)
+    b_mean = np.exp(2 * s * np.log(2 * alpha) + pochhammers)
+    return float(1.0 - hyp2f1(-s, delta, 2 * delta, 4 * alpha * (1 - alpha)) - b_mean)
+
+
+def _first_moments(order: int, restitution: float, dim: int) -> np.ndarray:
+    """Room for the moments: μ_0 = 1 and μ_1/T = 1 are right."""
+    check_dim(dim)
+    check_restitution(restitution)
+    if order < 1:
+        raise ValueError(f"order={order!r}: must be at least 1")
+    return np.ones(order + 1)
+
+
+def _gain_and_decay(
+    moments: np.ndarray, n: int, restitution: float, dim: int
+) -> tuple[float, float]:
+    """G_n from the moments below n, and r_n; the means by the Gauss–Jacobi rule exact to degree n in y."""
+    alpha, delta = (1.0 + restitution) / 4.0, (dim - 1) / 2
+    nodes, weights = roots_jacobi(n // 2 + 1, delta - 1, delta - 1)
+    y, w = (1.0 - nodes) / 2.0, weights / weights.sum()
+    a, b = 1.0 - 4 * alpha * (1 - alpha) * y, 4 * alpha**2 * y
+    G = sum(
+        comb(n, j) * (w @ (a**j * b ** (n - j))) * moments[j] * moments[n - j] for j in range(1, n)
+    )
+    return float(G), float(1.0 - w @ (a**n + b**n))

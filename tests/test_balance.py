@@ -1,0 +1,93 @@
+"""Rates from all pairs, against exact laws and against the moments of Q."""
+
+import numpy as np
+import pytest
+from comparison import asymmetric_scene
+
+import granstudy as gs
+from granstudy import theory
+from granstudy.balance import CollisionRates
+
+
+def maxwellian(dim, exponent, restitution, temperature=1.0):
+    kernel = gs.VHS(exponent, gs.hard_spheres(dim).strength)
+    name = f"maxwellian{dim}d"
+    return gs.load_scene(name, kernel=kernel, restitution=restitution, temperature=temperature)
+
+
+@pytest.mark.parametrize("exponent", [0.0, 0.4, 1.0])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_maxwellian_cools_as_the_law_says(dim, exponent):
+    scene = maxwellian(dim, exponent, 0.3, temperature=1.2)
+    K = theory.gaussian_cooling_coefficient(scene.kernel, 0.3, dim)
+    exact = -dim / 2 * K * 1.2 ** (1 + exponent / 2)
+    for grid, error in (
+        (gs.VelocityGrid(dim, 32, 9.0), 1e-4),
+        (gs.RadialGrid(dim, 32, 9.0), 1e-5),
+    ):
+        rates = CollisionRates(scene, grid)(scene.density(grid))
+        assert rates.energy == pytest.approx(exact, rel=error)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_rates_of_maxwell_molecules_are_those_of_the_moment_equations(dim):
+    scene = asymmetric_scene(dim, seed=2, exponent=0.0, restitution=0.3)
+    grid = gs.VelocityGrid(dim, 24, 9.0)
+    f = scene.density(grid)
+    rates = CollisionRates(scene, grid)(f)
+    moments = grid.velocity_moments(f)
+    exact = theory.maxwell_moment_rates(
+        moments.density,
+        moments.pressure,
+        np.zeros((dim,) * 3),
+        fourth=moments.fourth,
+        restitution=0.3,
+    )
+    assert rates.frequency == pytest.approx(moments.density, rel=1e-10)
+    assert rates.energy == pytest.approx(exact.pressure.trace() / 2, rel=1e-8)
+    assert rates.fourth == pytest.approx(exact.fourth, rel=1e-8)
+
+
+@pytest.mark.parametrize("exponent", [0.5, 1.0])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_moments_of_the_radial_Q_balance_them(dim, exponent):
+    kernel = gs.VHS(exponent, gs.hard_spheres(dim).strength)
+    scene = gs.load_scene(f"bkw{dim}d", kernel=kernel, restitution=0.2)
+    operator = gs.collision_operator(scene, gs.Solver(N=40, R=11.0, method="radial"))
+    f = scene.density(operator.grid)
+    moments = operator.grid.velocity_moments(operator(f))
+    rates = CollisionRates(scene, operator.grid)(f)
+    assert rates.energy == pytest.approx(moments.energy, rel=2e-6)
+    assert rates.fourth == pytest.approx(moments.fourth, rel=2e-5)
+
+
+@pytest.mark.parametrize("restitution", [0.2, gs.Viscoelastic(0.3)], ids=str)
+def test_moments_of_Q_without_symmetry_balance_them(restitution):
+    scene = asymmetric_scene(2, seed=2, exponent=1.0, restitution=restitution)
+    solver = gs.Solver(N=40, R=9.0, N_rho=24, M_cir=48, radial_rule="jacobi")
+    operator = gs.collision_operator(scene, solver)
+    f, grid = scene.density(operator.grid), operator.grid
+    rates = CollisionRates(scene, grid)(f)
+    Q = operator(f)
+    u = grid.velocity_moments(f).momentum / grid.velocity_moments(f).density
+    V = sum((v - ui) ** 2 for v, ui in zip(grid.velocities(), u, strict=True))
+    assert rates.energy == pytest.approx((V / 2 * Q).sum() * grid.cell, rel=2e-4)
+    assert rates.fourth == pytest.approx((V**2 * Q).sum() * grid.cell, rel=1e-2)
+
+
+def test_elastic_collisions_take_no_energy():
+    scene = maxwellian(3, 1.0, 1.0)
+    grid = gs.RadialGrid(3, 16, 8.0)
+    rates = CollisionRates(scene, grid)(scene.density(grid))
+    assert abs(rates.energy) < 1e-14 and abs(rates.fourth) < 1e-4
+    # ρ|S|C⟨|g|⟩ = 4/√π at T = 1
+    assert rates.frequency == pytest.approx(4.0 / np.sqrt(np.pi), rel=1e-3)
+
+
+def test_they_see_what_a_truncation_leaves_out():
+    # At R = 4 collisions of the fastest pairs, which lose the most, are missing from Q.
+    scene = maxwellian(3, 1.0, 0.2)
+    operator = gs.collision_operator(scene, gs.Solver(N=16, R=4.0, method="radial"))
+    f = scene.density(operator.grid)
+    energy = operator.grid.velocity_moments(operator(f)).energy
+    assert CollisionRates(scene, operator.grid)(f).energy < 1.05 * energy < 0.0
