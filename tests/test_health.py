@@ -34,7 +34,7 @@ CASES = [
     (law, N, R, settings)
     for law in LAWS
     for N, R, settings in [
-        (24, 8.0, {}),
+        (32, 10.0, {"frame": "rescaled"}),
         (18, 7.0, {"frame": "rescaled"}),
         (18, 7.0, {}),
         (12, 7.0, {}),
@@ -88,7 +88,7 @@ def test_a_verdict_names_what_is_wrong_and_the_remedy():
 
 
 def test_what_is_recorded_of_a_resolved_run_is_small():
-    ds = run("hard spheres", 24, 8.0)
+    ds = run("hard spheres", 32, 10.0, frame="rescaled")
     assert Trust(int(ds["trust"])) is Trust.TRUSTED and ds["trust"].attrs["reasons"] == ""
     for name in ("mass_drift", "momentum_drift", "edge"):
         assert float(ds[name].max()) < 1e-6
