@@ -157,11 +157,15 @@ def _densities(
         {name: (("snapshot", *grid.axes), values, attributes)},
         coords=grid.coordinates() | {"snapshot": times},
     )
-    if rescaled:
-        scaled = {axis: f"c{axis[1:]}" for axis in grid.axes}
-        ds = ds.rename(scaled | ({"r_weight": "c_weight"} if "r_weight" in ds else {}))
-        for axis in scaled.values():
-            ds[axis].attrs["long_name"] = f"scaled velocity {axis} of c = (v−u)/θ"
+    return on_scaled_velocities(ds, grid.axes) if rescaled else ds
+
+
+def on_scaled_velocities(ds: xr.Dataset, axes: tuple[str, ...]) -> xr.Dataset:
+    """The dataset with a grid's ``axes`` named as velocities c = (v−u)/θ, not v."""
+    scaled = {axis: f"c{axis[1:]}" for axis in axes}
+    ds = ds.rename(scaled | ({"r_weight": "c_weight"} if "r_weight" in ds else {}))
+    for axis in scaled.values():
+        ds[axis].attrs["long_name"] = f"scaled velocity {axis} of c = (v−u)/θ"
     return ds
 
 
@@ -178,6 +182,19 @@ def collision_dataset(
     finite = bool(np.all(np.isfinite(Q)))
     status, reason = (Status.OK, "") if finite else (Status.DIVERGED, "Q is not finite")
     return _finish(ds, scene, solver, None, status, reason, [], "collision", plans)
+
+
+def state_dataset(
+    ds: xr.Dataset,
+    scene: Scene,
+    solver: Solver,
+    status: Status,
+    reason: str,
+    warnings: list[str],
+    title: str,
+) -> xr.Dataset:
+    """The variables of a state that was solved for, with a run's coordinates, status and attributes."""
+    return _finish(ds, scene, solver, None, status, reason, warnings, title, ())
 
 
 def _finish(
