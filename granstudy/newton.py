@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, gmres
 
-DENSE = 512
+DENSE = 256
 """Unknowns up to which the derivative is written out as a matrix: radial grids, not Cartesian ones."""
 
 FORCING = 1e-2

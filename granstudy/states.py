@@ -106,6 +106,7 @@ def _state(
     scene: Scene, solver: Solver, heated: bool, tolerance: float, max_iterations: int
 ) -> xr.Dataset:
     _check_solver(solver)
+    _check_settings(tolerance, max_iterations)
     gas = _gas(scene, solver)
     # What is planned is the operator of an isotropic gas at u = 0, with all its symmetry.
     gaussian = replace(scene, initial=Maxwellian(scene.dim, gas.temperature), symmetry=None)  # type: ignore[arg-type]
@@ -135,6 +136,13 @@ def _check_solver(solver: Solver) -> None:
         raise ValueError(
             f"rtol={solver.rtol!r}: holds for a density that is known; give N_rho and M_sph (M_cir)"
         )
+
+
+def _check_settings(tolerance: object, max_iterations: object) -> None:
+    if not isinstance(tolerance, (int, float)) or not 0.0 < tolerance < 1.0:
+        raise ValueError(f"tolerance={tolerance!r}: must be a number between 0 and 1")
+    if not isinstance(max_iterations, int) or max_iterations < 1:
+        raise ValueError(f"max_iterations={max_iterations!r}: must be a positive integer")
 
 
 @dataclass(frozen=True)

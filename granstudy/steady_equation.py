@@ -48,9 +48,13 @@ class SteadyEquation:
         return self._join(g, [-Q_energy / D_energy, 0.0])
 
     def residual(self, x: np.ndarray) -> np.ndarray:
-        """The left-hand side at every node, then M_0(g)/ρ − 1 and M_E(g)/(½dρT) − 1."""
+        """The left-hand side at every node, then M_0(g)/ρ − 1 and M_E(g)/(½dρT) − 1.
+
+        What x has without the symmetry is no part of g; it is added, so that it comes out as 0.
+        """
         g, s, m = self.split(x)
-        return self._join(self.collisions(g) + s * self.balance(g) + m * g, self._held(g) - 1.0)
+        left = self.collisions(g) + s * self.balance(g) + m * g + self._asymmetric(x)
+        return self._join(left, self._held(g) - 1.0)
 
     def derivative(self, x: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
         """The residual's derivative at x, exact."""
@@ -60,6 +64,7 @@ class SteadyEquation:
         def act(step: np.ndarray) -> np.ndarray:
             h, s_step, m_step = self.split(step)
             change = self._collisions_change(g, h) + s * self.balance(h) + m * h
+            change += self._asymmetric(step)
             return self._join(change + s_step * Dg + m_step * g, self._held(h))
 
         return act
@@ -73,6 +78,9 @@ class SteadyEquation:
     def split(self, x: np.ndarray) -> tuple[np.ndarray, float, float]:
         """G at the nodes, s and m."""
         return self.symmetrise(x[:-2].reshape(self.grid.shape)), float(x[-2]), float(x[-1])
+
+    def _asymmetric(self, x: np.ndarray) -> np.ndarray:
+        return x[:-2].reshape(self.grid.shape) - self.split(x)[0]
 
     def _collisions_change(self, g: np.ndarray, h: np.ndarray) -> np.ndarray:
         """Q(g,h) + Q(h,g); h is brought to the size of g, so that no digits are lost."""

@@ -6,8 +6,8 @@ import numpy as np
 
 from granstudy.velocity_space import VelocitySpace
 
-ABOVE_FLOOR = 100.0
-"""A density is taken as resolved where it is so many times the largest value that it has below 0."""
+ABOVE_FLOOR = 1000.0
+"""A density is taken as resolved where it is so many times the error that the grid is seen to make."""
 
 
 class TailSlope(NamedTuple):
@@ -16,7 +16,7 @@ class TailSlope(NamedTuple):
     speeds: np.ndarray
     """Speeds c in units of √T, midway between nodes"""
     slopes: np.ndarray
-    """−d ln f / d c^q, of −d ln f / d ln c where q = 0"""
+    """−d ln f / d c^q, or −d ln f / d ln c where q = 0"""
     floor: float
     """Density below which the slope is left out"""
 
@@ -24,8 +24,8 @@ class TailSlope(NamedTuple):
 def tail_slope(g: np.ndarray, grid: VelocitySpace, temperature: float, power: float) -> TailSlope:
     """−d ln g/d c^q between neighbouring nodes, out to where g first falls to the floor of its errors.
 
-    No density is negative: −min g is an error that the grid makes, and `ABOVE_FLOOR` times that is the
-    floor; a slope there has some percent of error. On a Cartesian grid the nodes are those nearest to the
+    No density is negative, and none ends at the grid's border: −min g and |g| at the border are errors. The
+    floor is `ABOVE_FLOOR` times the larger one. On a Cartesian grid the nodes are those nearest to the
     positive half of the first axis, on a radial one all.
 
     Parameters
@@ -34,7 +34,8 @@ def tail_slope(g: np.ndarray, grid: VelocitySpace, temperature: float, power: fl
         q ≥ 0; 0 stands for the exponent of a power law.
     """
     speeds, values = _profile(g, grid)
-    floor = ABOVE_FLOOR * max(-float(g.min()), np.finfo(float).eps * float(g.max()))
+    round_off = np.finfo(float).eps * float(g.max())
+    floor = ABOVE_FLOOR * max(-float(g.min()), grid.edge(g), round_off)
     below = np.flatnonzero(values <= floor)
     count = int(below[0]) if below.size else values.size
     c, ln_g = speeds[:count] / np.sqrt(temperature), np.log(values[:count])
@@ -47,6 +48,7 @@ def _profile(g: np.ndarray, grid: VelocitySpace) -> tuple[np.ndarray, np.ndarray
     speeds = np.sqrt(np.broadcast_to(sum(np.square(v) for v in grid.velocities()), grid.shape))
     if len(grid.shape) == 1:
         return speeds, g
-    middle = grid.shape[0] // 2
-    line = (slice(middle, None), *(middle,) * (grid.dim - 1))
-    return speeds[line], g[line]
+    for _ in range(grid.dim - 1):
+        speeds, g = speeds[..., speeds.shape[-1] // 2], g[..., g.shape[-1] // 2]
+    outwards = slice(speeds.size // 2, None)
+    return speeds[outwards], g[outwards]
