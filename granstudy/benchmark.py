@@ -1,6 +1,7 @@
 """Error, seconds and memory of one evaluation of Q, all methods in one process and taken in turn."""
 
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -108,6 +109,8 @@ def benchmark(runs: list["Run"], threads: int) -> xr.Dataset:
         references = _references(group, threads) if with_errors else {}
         for count in sorted({1, threads}) if timing.single_thread else [threads]:
             rows += _measure(group, count, references)
+    if timing.memory:
+        rows = _with_memory(rows, threads)
     values: dict[str, Any] = {
         name: np.array([getattr(row, name) for row in rows])
         for name in ("seconds", "fft_seconds", "transforms", "reason")
@@ -168,8 +171,6 @@ def _measure(
         row = Measurement(run, threads, transforms=operator.transforms)
         if references:
             row = replace(row, error=references[run.reference.path].error(operator, Q))
-        if run.timing.memory:
-            row = replace(row, peak_memory_mb=peak_memory_mb(run.scene, solver))
         rows.append(row)
     medians = iter(median_seconds(calls, runs[0].timing.rounds))
     return [_with_seconds(row, medians) for row in rows]
@@ -183,6 +184,19 @@ def _with_seconds(row: Measurement, medians: Iterator[float]) -> Measurement:
     if row.run.solver.method in WITHOUT_TRANSFORMS:
         bare = 0.0
     return replace(row, seconds=seconds, fft_seconds=bare)
+
+
+def _with_memory(rows: list[Measurement], together: int) -> list[Measurement]:
+    """The rows with their peak memory, which is measured in so many processes at a time."""
+
+    def measured(row: Measurement) -> Measurement:
+        if row.reason:
+            return row
+        solver = replace(row.run.solver, threads=row.threads)
+        return replace(row, peak_memory_mb=peak_memory_mb(row.run.scene, solver))
+
+    with ThreadPoolExecutor(together) as pool:
+        return list(pool.map(measured, rows))
 
 
 def _baseline(row: Measurement, rows: list[Measurement]) -> Measurement | None:

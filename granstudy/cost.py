@@ -88,9 +88,17 @@ SECONDS_PER_SPLIT = 0.013
 SECONDS_PER_SERIES = 8.5e-4
 """Of the series of one shell and one |k| for `fast` where e depends on the impact speed."""
 
-EFFICIENCY = {"literal": 0.7, "direct": 0.9, "fast": 0.7, "radial": 0.0, "carleman": 0.7}
+EFFICIENCY = {
+    "literal": 0.7,
+    "direct": 0.9,
+    "fast": 0.7,
+    "radial": 0.0,
+    "carleman": 0.7,
+    "dsmc": 0.9,
+}
 """What each thread after the first adds, in parts of the first: Table 5 of the study `paper`, N = 16 to 64,
-on two cores; `carleman`, of transforms like those of `fast`, is taken to be like it."""
+on two cores; `carleman`, of transforms like those of `fast`, is taken to be like it. The batches of `dsmc`
+share nothing but memory."""
 
 INTERPRETER_MB = 300
 """Python with NumPy, SciPy, Numba and xarray loaded."""

@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 
 from granstudy import theory
+from granstudy.health import Trust, verdict
 from granstudy.kernel import sphere_area
 from granstudy.moments import COMPONENTS, DIMENSIONS, FRAME_LONG_NAMES, LONG_NAMES
 from granstudy.scene import Scene
@@ -26,6 +27,9 @@ from granstudy.whole_file import write_whole
 
 CONVENTIONS = "CF-1.11"
 LIBRARIES = ("granstudy", "numpy", "scipy", "pyfftw", "numba", "xarray")
+
+BY_BATCH = ("temperature", "a2")
+"""Moments of which a simulation by particles keeps every batch's value."""
 
 
 class Status(IntEnum):
@@ -52,6 +56,13 @@ def run_coordinates(
         "N": solver.N,
         "R": solver.R,
     }
+    if solver.method == "dsmc":
+        return coordinates | {
+            "particles": solver.particles,
+            "batches": solver.batches,
+            "seed": solver.seed,
+            "method": solver.method,
+        }
     coordinates |= _quadrature_coordinates(scene, solver)
     coordinates |= {"variant": solver.variant, "method": solver.method}
     if solver.rtol is None:
@@ -92,6 +103,7 @@ def evolution_dataset(
     reason: str,
     warnings: list[str],
     plans: Sequence[dict[str, Any]] = (),
+    health_outputs: Sequence[dict[str, float]] = (),
 ) -> xr.Dataset:
     """Dataset of a simulation: moments over ``time``, densities over ``snapshot``, status.
 
@@ -102,7 +114,8 @@ def evolution_dataset(
     two errors: `temperature_error`, of the temperature divided by the density, against the law with that
     density; and `paper_temperature_error`, the paper's measure, of 2E/d against the law of unit density.
     Both laws start from the discrete initial value. ``plans`` are the quadratures that a tolerance came to,
-    each with the time it was in use from; they become the attribute `quadrature`.
+    each with the time it was in use from; they become the attribute `quadrature`. ``health_outputs``, those
+    of the run's `granstudy.examination.Examination`, become variables over ``time`` and the label `trust`.
     """
     rescaled = settings.frame == "rescaled"
     time = np.array(times)
@@ -123,24 +136,48 @@ def evolution_dataset(
             "component_": components,
         },
     )
-    if scene.kernel.exponent == 0.0 and not callable(scene.restitution):
-        law: dict[str, Any] = {
-            "t": time,
-            "restitution": float(scene.restitution),
-            "diffusion": scene.diffusion,
-            "cross_section": sphere_area(scene.dim) * scene.kernel.strength,
-        }
-        density0 = float(ds["density"][0])
-        for name, density in (("temperature", density0), ("paper_temperature", 1.0)):
-            exact = theory.maxwell_temperature(T0=float(ds[name][0]), density=density, **law)
-            long_name = f"exact law of {name} from its discrete initial value"
-            ds[f"{name}_exact"] = ("time", exact, {"long_name": long_name, "units": "1"})
-            error = np.abs(ds[name].values - exact)
-            long_name = f"|{name} − {name}_exact|"
-            ds[f"{name}_error"] = ("time", error, {"long_name": long_name, "units": "1"})
+    _add_exact_law(ds, scene)
     if snapshots:
         ds = ds.assign(_densities(grid, snapshots, rescaled))
+    ds = ds.assign(_health(list(health_outputs), reason))
     return _finish(ds, scene, solver, settings, status, reason, warnings, "evolution", plans)
+
+
+def _health(outputs: list[dict[str, float]], stopped: str) -> dict[str, Any]:
+    """What was measured at every output, and the label that comes of it."""
+    variables: dict[str, Any] = {
+        variable: (
+            "time",
+            [output[name] for output in outputs],
+            {"long_name": long_name, "units": "1"},
+        )
+        for name, (variable, long_name) in HEALTH_NAMES.items()
+        if outputs and name in outputs[-1]
+    }
+    trust, reasons = verdict(outputs, stopped)
+    variables["trust"] = (
+        (),
+        np.int8(trust),
+        {
+            "long_name": "how far temperature and kurtosis can be trusted",
+            "flag_values": np.array([t.value for t in Trust], dtype=np.int8),
+            "flag_meanings": " ".join(t.name.lower() for t in Trust),
+            "reasons": "\n".join(reasons),
+        },
+    )
+    return variables
+
+
+HEALTH_NAMES = {
+    "temperature": ("temperature_error_estimate", "estimated relative error of T"),
+    "a2": ("a2_error_estimate", "estimated error of a2"),
+    "mass_drift": ("mass_drift", "|ρ/ρ(0) − 1|"),
+    "momentum_drift": ("momentum_drift", "change of the bulk velocity over the thermal speed"),
+    "edge": ("edge", "largest |f| at the grid's border over max f"),
+    "tail": ("spectral_tail", "part of ∫f² in the upper quarter of the wavenumbers"),
+    "step_ratio": ("step_ratio", "step over the largest that is stable for certain"),
+}
+"""Variable and long name of what is measured of a run's health; the least density is `minimum`."""
 
 
 def _densities(
@@ -167,6 +204,76 @@ def on_scaled_velocities(ds: xr.Dataset, axes: tuple[str, ...]) -> xr.Dataset:
     for axis in scaled.values():
         ds[axis].attrs["long_name"] = f"scaled velocity {axis} of c = (v−u)/θ"
     return ds
+
+
+def particle_dataset(
+    scene: Scene,
+    solver: Solver,
+    grid: VelocitySpace,
+    times: np.ndarray,
+    by_batch: dict[str, np.ndarray],
+    snapshots: dict[float, np.ndarray],
+    status: Status,
+    reason: str,
+    warnings: list[str],
+) -> xr.Dataset:
+    """Dataset of a simulation by particles: as `evolution_dataset`, with standard errors.
+
+    ``by_batch`` holds every moment of every batch, shape (batches, times, ...). Each becomes its mean over
+    batches and a `<name>_standard_error`; of `BY_BATCH` the batches' own values are kept, too, as
+    `<name>_by_batch`. The exact temperature law and `temperature_error`, the distance from it, are those of
+    `evolution_dataset`.
+    """
+    components = list(COMPONENTS[: grid.dim])
+    long_names = LONG_NAMES | {"collisions": "collisions that a particle has had"}
+    data: dict[str, Any] = {}
+    for name, values in by_batch.items():
+        dims = ("time", *DIMENSIONS.get(name, ()))
+        attributes = {"long_name": long_names[name], "units": "1"}
+        data[name] = (dims, values.mean(axis=0), attributes)
+        attributes = {"long_name": f"standard error of {name} over batches", "units": "1"}
+        data[f"{name}_standard_error"] = (dims, standard_error(values), attributes)
+        if name in BY_BATCH:
+            attributes = {"long_name": f"{long_names[name]}, of each batch", "units": "1"}
+            data[f"{name}_by_batch"] = (("time", "batch"), values.T, attributes)
+    ds = xr.Dataset(
+        data,
+        coords={
+            "time": ("time", times, {"long_name": "time t", "units": "1"}),
+            "component": components,
+            "component_": components,
+            "batch": np.arange(solver.batches),
+        },
+    )
+    _add_exact_law(ds, scene)
+    if snapshots:
+        ds = ds.assign(_densities(grid, snapshots, rescaled=False))
+    return _finish(ds, scene, solver, None, status, reason, warnings, "particles", ())
+
+
+def standard_error(by_batch: np.ndarray) -> np.ndarray:
+    """Standard error of the mean over the first axis, from independent batches."""
+    return np.asarray(np.std(by_batch, axis=0, ddof=1) / np.sqrt(len(by_batch)))
+
+
+def _add_exact_law(ds: xr.Dataset, scene: Scene) -> None:
+    """Add the exact temperature law and the distances from it where one is known."""
+    if scene.kernel.exponent != 0.0 or callable(scene.restitution):
+        return
+    law: dict[str, Any] = {
+        "t": ds["time"].values,
+        "restitution": float(scene.restitution),
+        "diffusion": scene.diffusion,
+        "cross_section": sphere_area(scene.dim) * scene.kernel.strength,
+    }
+    density0 = float(ds["density"][0])
+    for name, density in (("temperature", density0), ("paper_temperature", 1.0)):
+        exact = theory.maxwell_temperature(T0=float(ds[name][0]), density=density, **law)
+        long_name = f"exact law of {name} from its discrete initial value"
+        ds[f"{name}_exact"] = ("time", exact, {"long_name": long_name, "units": "1"})
+        error = np.abs(ds[name].values - exact)
+        long_name = f"|{name} − {name}_exact|"
+        ds[f"{name}_error"] = ("time", error, {"long_name": long_name, "units": "1"})
 
 
 def collision_dataset(

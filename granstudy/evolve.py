@@ -3,6 +3,8 @@
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -13,15 +15,17 @@ from granstudy import health
 from granstudy.collision import CollisionOperator, collision_operator, concrete
 from granstudy.conservation import check_conserve, projection
 from granstudy.dataset import Status, evolution_dataset
+from granstudy.examination import Examination
 from granstudy.fixed_frame import FixedFrame
+from granstudy.kernel import Restitution
 from granstudy.moments import moment_values
 from granstudy.representation import collisions, representation
 from granstudy.rescaled_frame import RescaledFrame, centred
-from granstudy.scaled_restitution import scaled_collisions
+from granstudy.scaled_restitution import ScaledRestitution, scaled_collisions
 from granstudy.scene import Scene
 from granstudy.schemes import SCHEMES
 from granstudy.solver import Solver
-from granstudy.stability import largest_frequency, step_warning
+from granstudy.stability import largest_frequency, stability_limit, step_warning
 from granstudy.stepping import AdaptiveSteps, FixedSteps, StoppedError
 from granstudy.time_settings import TimeSettings
 from granstudy.tuning import Tuning
@@ -53,7 +57,7 @@ def simulate(
         Size of every step, of which ``t_final`` must be a whole number; each is an output.
     time_rtol : float, optional
         In place of ``dt``: steps of any size, each with an estimated error of at most so much of the
-        density's largest value (in a rescaled frame also of T, twice).
+        density's largest value and of its fourth moment (in a rescaled frame also of √T).
     times : array_like, optional
         With ``time_rtol``: times of the outputs, positive and increasing, beside 0 and ``t_final``. By
         default 10 a decade from 0.01 on (or a hundredth of ``t_final``).
@@ -66,6 +70,7 @@ def simulate(
     conserve : sequence of str
         Of ``mass``, ``momentum``, and for e = 1 ``energy``: what Q is corrected to conserve, by the least
         change. The radial method has no momentum to conserve.
+        By `dsmc` times say when the moments are recorded and nothing else.
     save_every : int, optional
         Keep the density every so many outputs, with the first and the last; by default none is kept.
     progress : bool, optional
@@ -90,12 +95,15 @@ def simulate(
         t_final, dt, time_rtol, times, frame, scheme, conserve, save_every  # type: ignore[arg-type]
     )  # fmt: skip
     check_frame(scene, solver, settings)
+    if solver.method == "dsmc":
+        return _simulate_particles(scene, solver, settings, progress)
     choice = concrete(scene, solver)
     solver = choice.solver
     run = _prepare(scene, solver, settings)
     grid, equation, steps = run.operator.grid, run.equation, run.steps
 
     tuning = Tuning(run.operator)
+    examination = Examination(scene, grid, steps.outputs)
     found: dict[str, str] = {}
     times_reached: list[float] = []
     history: list[Moments] = []
@@ -125,9 +133,16 @@ def simulate(
                         snapshots[time] = f.copy()
                     times_reached.append(time)
                     history.append(equation.record(values, state))
-                    density0 = history[0]["density"]
-                    texts |= health.warnings(f, values, density0, grid)
-                    texts |= _step_warnings(scene, settings, run, state, history)
+                    texts |= examination.look(
+                        f,
+                        values,
+                        equation.clock(state, time),
+                        partial(equation.collisions, state),
+                        restitution=_restitution(scene, history[-1]),
+                        heating=_heating(scene, equation.diffusivity(state), history[-1], values),
+                        steps_of_order_3=settings.dt is not None,
+                    )
+                    texts |= _step_health(scene, settings, run, state, history, examination)
                     bar.update()
                 for name, text in texts.items():
                     found.setdefault(name, f"from t = {time:g}: {text}")
@@ -135,15 +150,33 @@ def simulate(
             status, reason = Status.DIVERGED, str(stopped)
     ds = evolution_dataset(
         scene, solver, settings, grid, times_reached, history, snapshots, status, reason,
-        list(found.values()), tuning.plans,
+        list(found.values()), tuning.plans, examination.outputs,
     )  # fmt: skip
     if isinstance(steps, AdaptiveSteps):
         ds.attrs["steps"] = json.dumps(steps.describe())
     return ds.assign_attrs(choice.attributes())
 
 
+def _simulate_particles(
+    scene: Scene, solver: Solver, settings: TimeSettings, progress: bool | None
+) -> xr.Dataset:
+    # Imported here, as the code of particles is no part of other runs.
+    particles = import_module("granstudy.particles.simulation")
+    check_frame(scene, solver, settings)
+    times = settings.recorded
+    ds: xr.Dataset = particles.simulate_particles(
+        scene, solver, times, settings.save_every, progress
+    )
+    return ds if settings.dt is None else ds.assign_coords(dt=settings.dt)
+
+
 def check_frame(scene: Scene, solver: Solver, settings: TimeSettings) -> None:
     """Raise ValueError for what a frame or conservation cannot do with a scene and a solver."""
+    if solver.method == "dsmc" and (settings.frame != "fixed" or settings.conserve):
+        raise ValueError(
+            f"frame={settings.frame!r}, conserve={settings.conserve!r}: method 'dsmc' needs neither; "
+            "particles keep mass and momentum, and cool without a grid"
+        )
     check_conserve(settings.conserve, scene.restitution)
     if settings.frame == "rescaled" and callable(scene.restitution) and solver.rtol is not None:
         raise ValueError(
@@ -190,20 +223,40 @@ def _prepare(scene: Scene, solver: Solver, settings: TimeSettings) -> _Prepared:
     return _Prepared(operator, equation, steps, equation.start(scene.density(operator.grid)))
 
 
-def _step_warnings(
-    scene: Scene, settings: TimeSettings, run: _Prepared, state: np.ndarray, history: list[Moments]
+def _restitution(scene: Scene, values: Moments) -> Restitution:
+    """That of the particles as the grid holds them: a law of the speed counts in the frame's."""
+    if callable(scene.restitution):
+        scale = float(values.get("velocity_scale", 1.0))
+        return ScaledRestitution(scene.restitution, scale)
+    return scene.restitution
+
+
+def _heating(scene: Scene, diffusivity: float, record: Moments, values: Moments) -> float:
+    """2ε/T a unit of the collisions' time, of what the grid holds."""
+    scale = float(record.get("velocity_scale", 1.0))
+    return float(2.0 * diffusivity / (values["temperature"] * scale**scene.kernel.exponent))
+
+
+def _step_health(
+    scene: Scene,
+    settings: TimeSettings,
+    run: _Prepared,
+    state: np.ndarray,
+    history: list[Moments],
+    examination: Examination,
 ) -> dict[str, str]:
-    """Whether a step of fixed size is above what the scheme is stable with."""
+    """Record a step of fixed size over what is stable; say so where it is more."""
     if settings.dt is None:
         return {}
     grid = run.operator.grid
     scales = [float(values.get("velocity_scale", 1.0)) for values in history[-2:]]
     frequency = largest_frequency(scene.kernel, scene.dim, grid.R, float(history[-1]["density"]))
-    return step_warning(
-        settings.dt,
+    limit = stability_limit(
         settings.scheme,
         grid,
         diffusion=run.equation.diffusivity(state),
         collision_frequency=scales[-1] ** scene.kernel.exponent * frequency,
         dilation_rate=float(np.log(scales[-1] / scales[0])) / settings.dt,
     )
+    examination.outputs[-1]["step_ratio"] = settings.dt / limit
+    return step_warning(settings.dt, settings.scheme, limit)

@@ -13,6 +13,9 @@ from pathlib import Path
 
 from granstudy.collision.operator import OPERATORS
 
+PARTICLES = "granstudy.particles.simulation"
+"""What computes the runs of `dsmc`, which has no operator."""
+
 PACKAGE = Path(__file__).parent
 
 DATA = {"granstudy.quadrature.design_data": PACKAGE / "quadrature" / "data"}
@@ -26,7 +29,8 @@ def run_fingerprint(kind: str, operator: str, also: tuple[str, ...] = ()) -> str
     are modules that choose it.
     """
     entry = {"evolution": "granstudy.evolve", "collision": "granstudy.dataset"}[kind]
-    return fingerprint((entry, "granstudy.collision.operator", OPERATORS[operator][0], *also))
+    method = PARTICLES if operator == "dsmc" else OPERATORS[operator][0]
+    return fingerprint((entry, "granstudy.collision.operator", method, *also))
 
 
 def fingerprint(modules: Iterable[str]) -> str:

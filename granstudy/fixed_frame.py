@@ -42,6 +42,14 @@ class FixedFrame:
             return self._collisions(state)
         return self._collisions(state) + self._diffusion(state)
 
+    def collisions(self, state: np.ndarray) -> np.ndarray:
+        """Q at the nodes."""
+        return self.form.density(self._collisions(state))
+
+    def clock(self, state: np.ndarray, time: float) -> float:
+        """The collisions' time: t."""
+        return time
+
     def diffusivity(self, state: np.ndarray) -> float:
         """ε."""
         return self._epsilon

@@ -21,6 +21,8 @@ from granstudy.cost import (
     transform_count,
 )
 from granstudy.kernel import check_restitution
+from granstudy.particles.cost import particle_cost
+from granstudy.particles.restitution_table import alpha_table
 from granstudy.scene import Scene
 from granstudy.solver import Solver
 from granstudy.time_settings import TimeSettings
@@ -57,6 +59,8 @@ class Forecast:
         Estimate of what ``rtol`` bounds (`Solver.rtol`), None where nothing estimates it.
     plan : QuadraturePlan or None
         The quadrature that a tolerance came to.
+    collisions : int
+        Of all particles together, for `dsmc`, which evaluates nothing.
     """
 
     method: str
@@ -74,12 +78,20 @@ class Forecast:
     memory_mb: int
     error: float | None
     plan: QuadraturePlan | None
+    collisions: int = 0
 
     def describe(self) -> dict[str, Any]:
         """The forecast as plain data."""
         return dataclasses.asdict(self)
 
     def __repr__(self) -> str:
+        if self.method == "dsmc":
+            return (
+                f"Forecast: dsmc, box of N={self.N}, R={self.R:g} in {self.dim}D\n"
+                f"  the run: {self.collisions:.2g} collisions, {self.seconds:.2g} s on {self.threads} "
+                f"threads, {self.memory_mb} MB\n"
+                "  error: by the batches, when it has run"
+            )
         error = "not estimated" if self.error is None else f"{self.error:.1e}"
         lines = [
             f"Forecast: {self.method}, N={self.N}, R={self.R:g} in {self.dim}D",
@@ -106,12 +118,13 @@ def plan(
     """Say what a run will be like: of `simulate` where its times are given, else of one evaluation.
 
     A tolerance is planned for as the run would, which takes about a second. How many steps `time_rtol` takes
-    is estimated within a factor 3.
+    is estimated within a factor 3. Of `dsmc` the collisions are counted along the law
+    of cooling.
 
     Raises
     ------
     ValueError
-        For a bad scene, solver or time, or a tolerance out of reach.
+        For a bad scene, solver or time, or a tolerance out of reach, or a `dsmc` without times.
     """
     if (t_final is None) != (dt is None and time_rtol is None):
         raise ValueError(f"t_final={t_final!r}, dt={dt!r}: give both, or neither")
@@ -120,6 +133,12 @@ def plan(
         settings = TimeSettings(t_final, dt, time_rtol, scheme=scheme)  # type: ignore[arg-type]
         steps = expected_steps(scene, settings)
         evaluations = expected_evaluations(scene, settings)
+    if solver.method == "dsmc":
+        if t_final is None:
+            raise ValueError(
+                "t_final=None: method 'dsmc' has no evaluation of Q; give t_final and dt"
+            )
+        return _plan_particles(scene, solver, t_final, len(settings.recorded) - 1)
     choice = choose(scene, solver)
     solver = choice.solver
     check_restitution(scene.restitution, largest_speed=solver.R)
@@ -148,6 +167,30 @@ def plan(
         memory_mb=memory_mb(scene, solver, transforms),
         error=quadrature.error if quadrature else None,
         plan=quadrature,
+    )
+
+
+def _plan_particles(scene: Scene, solver: Solver, t_final: float, steps: int) -> Forecast:
+    alpha_table(scene.restitution, solver.R)
+    cost, collisions = particle_cost(scene, solver, t_final, steps + 1)
+    threads = solver.thread_count
+    return Forecast(
+        method="dsmc",
+        reason="",
+        dim=scene.dim,
+        N=solver.N,
+        R=float(solver.R),
+        nodes=0,
+        transforms=0,
+        n=0,
+        threads=threads,
+        seconds_per_evaluation=0.0,
+        evaluations=0,
+        seconds=on_threads(cost.seconds, "dsmc", threads),
+        memory_mb=cost.memory_mb,
+        error=None,
+        plan=None,
+        collisions=collisions,
     )
 
 

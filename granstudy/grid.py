@@ -126,6 +126,14 @@ class VelocityGrid:
         """Largest |f| on the box's faces."""
         return max(float(np.max(np.abs(np.take(f, [0, -1], axis=i)))) for i in range(self.dim))
 
+    def spectral_tail(self, f: np.ndarray) -> float:
+        """Part of ∫f² in the modes with a |k_i| in the upper quarter of the wavenumbers."""
+        power = np.abs(scipy.fft.rfftn(f)) ** 2
+        power[..., 1:-1] *= 2.0
+        high = np.abs(self.wavenumbers) > 3 * self.N / 8
+        low = power[np.ix_(*(~high,) * (self.dim - 1), ~high[: self.N // 2 + 1])]
+        return float(1.0 - low.sum() / power.sum())
+
     def laplacian(self, f: np.ndarray) -> np.ndarray:
         """Δv f of a real density by the multiplier −(π|k|/L)² (docs/method.md §3)."""
         return scipy.fft.irfftn(self._laplacian * scipy.fft.rfftn(f), s=self.shape)

@@ -108,7 +108,8 @@ def _across(table: xr.Dataset, swept: list[str], across: str) -> tuple[list[str]
     if across == "method":
         # The yardstick beside the paper that it reproduces, then what we add.
         columns = sorted(
-            columns, key=lambda c: ("literal", "fast", "carleman", "radial", "direct").index(c[0])
+            columns,
+            key=lambda c: ("literal", "fast", "carleman", "radial", "direct", "dsmc").index(c[0]),
         )
     else:
         columns = sorted(columns, key=lambda c: -float(c[0]))

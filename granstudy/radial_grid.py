@@ -183,6 +183,16 @@ class RadialGrid:
         """|f| at the outermost node."""
         return float(abs(f[-1]))
 
+    def spectral_tail(self, f: np.ndarray) -> float:
+        """Part of ∫f² in the upper quarter of the modes."""
+        power = (self.analysis @ f) ** 2 * self._mode_norms
+        return float(power[3 * self.N // 4 :].sum() / power.sum())
+
+    @cached_property
+    def _mode_norms(self) -> np.ndarray:
+        """∫ M(k_m|v|)² dv over the ball, by the grid's own quadrature."""
+        return self.weights @ self.mode_values(self.nodes) ** 2
+
     def laplacian(self, f: np.ndarray) -> np.ndarray:
         """Δv f: the multiplier −k_m² on the coefficients, at the nodes."""
         return self._laplacian @ f

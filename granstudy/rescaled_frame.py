@@ -108,6 +108,15 @@ class RescaledFrame:
         """M_0, M_i and M_E (rows) of some states of g."""
         return self._moments @ np.array([self.form.density(a).ravel() for a in states]).T
 
+    def collisions(self, state: np.ndarray) -> np.ndarray:
+        """Q(g,g) at the nodes c, without θ^λ."""
+        g, place = self._split(state)
+        return self.form.density(self._collisions(g, np.exp(place.log_scale)))
+
+    def clock(self, state: np.ndarray, time: float) -> float:
+        """The collisions' time: τ."""
+        return self._split(state)[1].collision_time
+
     def diffusivity(self, state: np.ndarray) -> float:
         """εθ^{−2}."""
         return float(self._epsilon * np.exp(-2 * self._split(state)[1].log_scale))

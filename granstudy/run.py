@@ -14,8 +14,10 @@ from granstudy.cost import Cost, estimate, expected_evaluations
 from granstudy.evolve import check_frame
 from granstudy.isotropy import check_isotropic
 from granstudy.kernel import VHS, Viscoelastic, check_restitution, sphere_area
+from granstudy.particles.cost import particle_cost
+from granstudy.particles.restitution_table import alpha_table
 from granstudy.scene import Scene, load_scene
-from granstudy.solver import TAKES_RTOL, Choice, Solver
+from granstudy.solver import PARTICLE_FIELDS, TAKES_RTOL, Choice, Solver
 from granstudy.study_file import (
     Experiment,
     SolverModel,
@@ -117,7 +119,12 @@ class Run:
         """The solver with this run's swept values."""
         settings = self.model.solver.model_dump(exclude_none=True)
         fields = set(SolverModel.model_fields)
-        settings |= {key: value for key, value in self.values if key in fields}
+        swept = {key: value for key, value in self.values if key in fields}
+        settings |= swept
+        if settings.get("method") != "dsmc":
+            # So that an experiment can sweep over methods, one of them `dsmc`.
+            for field in PARTICLE_FIELDS - swept.keys():
+                settings.pop(field, None)
         if self.is_reference and self._value("method", None) != "radial":
             assert self.model.reference is not None
             for own in ("rtol", "precision", "device"):  # of the run's; a reference says its own
@@ -153,7 +160,7 @@ class Run:
 
     @property
     def evaluations(self) -> int:
-        """Evaluations of Q that the run makes, about as many where the steps adapt."""
+        """Evaluations of Q that the run makes, about as many where the steps adapt (none by `dsmc`)."""
         return 1 if self.time is None else expected_evaluations(self.scene, self.time)
 
     @cached_property
@@ -171,12 +178,20 @@ class Run:
     @cached_property
     def cost(self) -> Cost:
         """Estimated seconds and memory of the run."""
+        if self.solver.method == "dsmc":
+            assert self.time is not None
+            records = len(self.time.recorded)
+            return particle_cost(self.scene, self.solver, self.time.t_final, records)[0]
         return estimate(self.scene, self.choice.solver, self.evaluations)
 
     def check(self) -> None:
         """Raise ValueError for anything that would stop the run later."""
         if self.solver.N is None and self.model.run == "benchmark":
             raise ValueError("N=None: benchmark runs need N and R")
+        _ = self.evaluations  # t_final must be a whole number of steps
+        if self.solver.method == "dsmc":
+            self._check_particles()
+            return
         solver = self.choice.solver
         check_restitution(self.scene.restitution, solver.R)
         radial = solver.method == "radial"
@@ -199,6 +214,13 @@ class Run:
                 )
         if self.time is not None:
             check_frame(self.scene, solver, self.time)
+
+    def _check_particles(self) -> None:
+        if self.model.run != "evolution":
+            raise ValueError(
+                f"method='dsmc': has no collision operator for {self.model.run} runs, only evolution runs"
+            )
+        alpha_table(self.scene.restitution, self.solver.R)
 
     def parameters(self) -> str:
         """All that the run depends on, as canonical JSON."""

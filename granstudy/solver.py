@@ -10,7 +10,7 @@ from typing import Any
 from granstudy.errors import unknown_name
 from granstudy.grid import VelocityGrid, check_node_count, check_point_count, check_radius
 
-METHODS = ("auto", "literal", "direct", "fast", "radial", "carleman")
+METHODS = ("auto", "literal", "direct", "fast", "radial", "carleman", "dsmc")
 VARIANTS = ("full", "separate")
 RADIAL_RULES = ("legendre", "jacobi")
 PRECISIONS = ("double", "single")
@@ -21,6 +21,12 @@ ONLY_FAST = {"dealias": True, "precision": "single", "device": "gpu"}
 
 CHOSEN_BY_RTOL = {"N_rho", "M_sph", "M_cir", "sphere_rule", "radial_rule"}
 """Fields that a tolerance takes the place of."""
+
+PARTICLE_FIELDS = {"particles", "batches", "seed"}
+"""Fields that only `dsmc` takes; beside them, N, R and threads, it uses no other."""
+
+LEAST_PARTICLES = 10
+"""Of a batch in `dsmc`: fewer have no covariance to speak of."""
 
 TAKES_RTOL = ("auto", "fast", "radial")
 """Methods that take a tolerance; `radial` has no quadrature error, so that it meets any."""
@@ -50,7 +56,9 @@ class Solver:
         Cartesian points, whatever is chosen), ``literal`` (the paper's recipe), ``direct`` (O(N^{2d})
         reference), ``fast``, ``radial`` (isotropic densities and constant e only; N_rho, M_sph, M_cir,
         variant are not used),
-        ``carleman`` (elastic and near-elastic scenes; N_rho is not used).
+        ``carleman`` (elastic and near-elastic scenes; N_rho is not used), ``dsmc`` (particles: no operator,
+        `granstudy.simulate` only; N and R say the cells and the box that the initial density is drawn on,
+        and nothing else but the three fields of particles is used).
     sphere_rule : str
         ``design``, ``lebedev``, ``product``, ``gauss-theta-phi``, or a text file of unit vectors.
     radial_rule : str
@@ -64,6 +72,12 @@ class Solver:
     circular : bool
         For `direct`: do as the paper's direct method does. l+m wraps around the spectrum, as
         products on the grid do, and sinc is evaluated as in the paper's code.
+    particles : int or None
+        For `dsmc`, which needs it: particles of all batches together, a multiple of ``batches``.
+    batches : int
+        For `dsmc`: independent batches, at least 2, whose spread gives the standard errors.
+    seed : int
+        For `dsmc`: of the random numbers. The same seed gives the same bytes, whatever ``threads``.
     dealias : bool
         For `fast`, and `auto`: form the products on a grid of 3N/2 points a dimension, so that nothing wraps
         around the spectrum; about three times the time.
@@ -93,6 +107,9 @@ class Solver:
     radial_rule: str = "legendre"
     rtol: float | None = None
     circular: bool = False
+    particles: int | None = None
+    batches: int = 20
+    seed: int = 0
     dealias: bool = False
     precision: str = "double"
     threads: int | None = None
@@ -126,6 +143,7 @@ class Solver:
         self._check_only_fast()
         if self.rtol is not None:
             self._check_rtol(self.rtol)
+        self._check_particles()
 
     def _check_left_out(self) -> None:
         for field, value in (("N", self.N), ("R", self.R)):
@@ -159,6 +177,28 @@ class Solver:
                 raise ValueError(
                     f"{field.name}={value!r}: rtol={rtol!r} chooses it; leave one of them out"
                 )
+
+    def _check_particles(self) -> None:
+        if self.method != "dsmc":
+            for field in dataclasses.fields(self):
+                value = getattr(self, field.name)
+                if field.name in PARTICLE_FIELDS and value != field.default:
+                    raise ValueError(
+                        f"{field.name}={value!r}: only method 'dsmc' takes it, not {self.method!r}"
+                    )
+            return
+        _check_count("particles", self.particles)
+        _check_count("batches", self.batches)
+        assert self.particles is not None
+        if self.batches < 2:
+            raise ValueError(f"batches={self.batches!r}: must be at least 2, for standard errors")
+        if self.particles % self.batches or self.particles < LEAST_PARTICLES * self.batches:
+            raise ValueError(
+                f"particles={self.particles!r}: must be a multiple of batches={self.batches}, at least "
+                f"{LEAST_PARTICLES * self.batches}"
+            )
+        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
+            raise ValueError(f"seed={self.seed!r}: must be an integer of at least 0")
 
     @property
     def operator(self) -> str:
@@ -196,13 +236,14 @@ class Solver:
         ``threads`` is left out: it changes how long a run takes, not what comes out. So is what plays no
         part, ``rtol`` or what it chooses, and so are fields of `ONLY_FAST` that are not in use.
         """
-        unused = {"rtol"} if self.rtol is None else set(CHOSEN_BY_RTOL)
+        every = dataclasses.asdict(self)
+        unused = {"threads", *({"rtol"} if self.rtol is None else CHOSEN_BY_RTOL)}
         unused |= {field for field, value in ONLY_FAST.items() if getattr(self, field) != value}
-        return {
-            key: value
-            for key, value in dataclasses.asdict(self).items()
-            if key != "threads" and key not in unused
-        }
+        if self.method == "dsmc":
+            unused |= every.keys() - {"N", "R", "method"} - PARTICLE_FIELDS
+        else:
+            unused |= PARTICLE_FIELDS
+        return {key: value for key, value in every.items() if key not in unused}
 
 
 @dataclass(frozen=True)

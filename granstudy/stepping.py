@@ -19,7 +19,7 @@ LEAST_ERROR = 1e-4
 """Errors over the tolerance count as this large at least."""
 
 SMALLEST_STEP = 1e-12
-"""Smallest step over the time; the first one is SMALLEST_STEP of the first output's time at least."""
+"""Smallest step over the time reached, or over that of the first output where this is later."""
 
 
 class MeasuredEquation(Equation, Protocol):

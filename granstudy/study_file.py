@@ -22,6 +22,8 @@ SWEPT = (
     "M_sph",
     "M_cir",
     "rtol",
+    "particles",
+    "batches",
     "variant",
     "method",
     "sphere_rule",
@@ -82,6 +84,11 @@ class SolverModel(_Model):
         Field(description="tolerance of Q's quadrature error, in place of N_rho, M_.."),
     ] = None
     circular: bool | None = None
+    particles: Annotated[int | None, Field(description="of method dsmc, all batches together")] = (
+        None
+    )
+    batches: Annotated[int | None, Field(description="of method dsmc; default 20")] = None
+    seed: Annotated[int | None, Field(description="of method dsmc; default 0")] = None
     dealias: Annotated[bool | None, Field(description="pad the products of fast")] = None
     precision: Annotated[str | None, Field(description="double, or single for fast")] = None
     device: Annotated[str | None, Field(description="cpu or gpu; default: cpu")] = None

@@ -103,6 +103,14 @@ class TimeSettings:
             inner = inner[inner < self.t_final]
         return np.array([0.0, *inner, self.t_final])
 
+    @property
+    def recorded(self) -> np.ndarray:
+        """Times at which moments are recorded."""
+        if self.time_rtol is not None:
+            return self.outputs
+        assert self.dt is not None
+        return self.dt * np.arange(self.steps + 1)
+
     def coordinates(self) -> dict[str, Any]:
         """What a dataset says of it, by scalar coordinate."""
         step = {"dt": self.dt} if self.time_rtol is None else {"time_rtol": self.time_rtol}

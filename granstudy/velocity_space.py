@@ -78,6 +78,9 @@ class VelocitySpace(Protocol):
     def edge(self, f: np.ndarray) -> float:
         """Largest |f| at the border of the grid: what lies there wraps around."""
 
+    def spectral_tail(self, f: np.ndarray) -> float:
+        """Part of ∫f² in the upper quarter of the wavenumbers."""
+
     def laplacian(self, f: np.ndarray) -> np.ndarray:
         """Δv f, exact for what the grid represents."""
 

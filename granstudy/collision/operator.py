@@ -103,8 +103,12 @@ def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:
     ValueError
         If the scene's restitution leaves [0, 1] at impact speeds up to R, or the quadrature has no
         rule of the size asked for, or its tolerance cannot be reached on the grid, or there is no GPU
-        where one is asked for.
+        where one is asked for, or the method is ``dsmc``, which has no operator.
     """
+    if solver.method == "dsmc":
+        raise ValueError(
+            "method='dsmc': particles have no collision operator; simulate with it, or take another method"
+        )
     solver = concrete(scene, solver).solver
     check_restitution(scene.restitution, largest_speed=solver.R)
     module, name = OPERATORS[solver.operator]

@@ -4,20 +4,25 @@
 
 A spherical design of degree t is a set of M points with (1/M) Σ p(x_i) = (1/4π) ∫ p dω for
 every polynomial p of degree at most t, that is, with residual zero: Σ Y_lm(x_i) = 0 for
-1 ≤ l ≤ t (Delsarte, Goethals and Seidel 1977). With the points x_i and −x_i every odd l vanishes
-by symmetry, so an odd t needs Σ Y_lm(x_i) = 0 over M/2 free points for even l < t only.
+1 ≤ l ≤ t (Delsarte, Goethals and Seidel 1977). Sought are unions of orbits {h x : h ∈ G} of a few
+free points x under a group G of signed permutations of the axes with −1 in it. Every odd l
+vanishes by symmetry, so an odd t needs the sums for even l < t only; they are invariant under G,
+so no more of them are independent than the harmonics of degree l have invariants of G.
 
 1. Start: seeded random points, spread by minimising the Coulomb energy of the whole set.
 2. Solve: nonlinear least squares on the sums, with exact Jacobian.
 3. Polish: Gauss–Newton steps with residuals in long double precision.
 4. Choose: of several starts the solution with the largest smallest angle between two points.
-5. Orient and round: the first point is put at the north pole, its nearest neighbour at y = 0.
+5. Orient: where G is {±1} alone the first point is put at the north pole, its nearest neighbour
+   at y = 0; a larger G is aligned with the axes from the start.
+6. Round the free points. Their images are then exact, as G permutes and negates coordinates.
 """
 # ruff: noqa: E741 -- l is the degree of Y_lm in every book
 
 import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -26,13 +31,18 @@ from scipy.optimize import least_squares, minimize
 
 from granstudy.quadrature.design_data import DESIGN_DEGREE, design_file
 from granstudy.quadrature.harmonics import harmonic_gradients, harmonics, residual
+from granstudy.symmetry import Symmetry, move
 
-__all__ = ["Design", "compute_design", "main", "residual", "smallest_angle", "write_design"]
-
-ROTATION_ORDER = {120: 3}
-"""Designs sought among the sets invariant under rotation by 2π/n about z. 120 points at degree 15
-leave 117 unknowns for 119 equations; with n = 3 it is 20 orbits of 6, so 39 unknowns (20 free
-points less one rotation) for the 39 invariant harmonics."""
+__all__ = [
+    "ORBITS",
+    "Design",
+    "Orbits",
+    "compute_design",
+    "main",
+    "residual",
+    "smallest_angle",
+    "write_design",
+]
 
 STARTS = 64
 """Starting points tried for each size."""
@@ -44,7 +54,79 @@ POLISH_STEPS = 4
 """Gauss–Newton steps; they converge quadratically from 1e-12, so two would do."""
 
 SINGULAR = 1e-9
-"""Relative singular value below which a direction (as the three rotations) is left alone."""
+"""Relative singular value below which a direction (as a rotation that G allows) is left alone."""
+
+COINCIDENT = 1e-9
+"""Distance below which two images are the same point."""
+
+
+@dataclass(frozen=True)
+class Orbits:
+    """What a set is made of: the orbits of free points under a group G.
+
+    Attributes
+    ----------
+    generators : tuple of str
+        Coordinate triplets that generate G together with −1.
+    in_plane : int
+        How many of the free points, the first ones, lie in z = 0. That is to be a mirror plane of G:
+        their orbits have half the size.
+    """
+
+    generators: tuple[str, ...] = ()
+    in_plane: int = 0
+
+    @cached_property
+    def group(self) -> NDArray:
+        """Matrices of the rotations in G, which is these and their negatives; (|G|/2, 3, 3)."""
+        elements = Symmetry.generated(3, "-x,-y,-z", *self.generators).elements
+        matrices = np.array([move(h, np.eye(3)).T for h in sorted(elements)])
+        return matrices[np.linalg.det(matrices) > 0]
+
+    def free_count(self, M_sph: int) -> int:
+        """Free points of a set of M_sph points."""
+        return (M_sph // len(self.group) + self.in_plane) // 2
+
+    def points(self, u: NDArray) -> tuple[NDArray, NDArray]:
+        """Free points x = u/|u|, rows (n, 3), of any vectors u; and the lengths |u|, (n, 1)."""
+        rows = np.array(u).reshape(-1, 3)
+        rows[: self.in_plane, 2] = 0
+        length = np.sqrt(np.sum(rows**2, axis=1, keepdims=True))
+        return rows / length, length
+
+    def shares(self, count: int) -> NDArray:
+        """Sizes of the free points' orbits over |G|, (count,)."""
+        return np.where(np.arange(count) < self.in_plane, 0.5, 1.0)
+
+    def images(self, free: NDArray) -> NDArray:
+        """Images h x under every rotation h in G of every free point x, (|G|/2, n, 3)."""
+        return np.array([free @ h.T for h in self.group])
+
+    def all_points(self, free: NDArray) -> NDArray:
+        """The whole set: from the pole to z = 0, then the negatives of these; without −0.0."""
+        half = self.images(free).reshape(-1, 3)
+        points = np.unique(np.concatenate([half, -half]) + 0.0, axis=0)
+        x, y, z = points.T
+        upper = points[(z > 0) | (z == 0) & ((y > 0) | (y == 0) & (x > 0))]
+        upper = upper[np.argsort(-upper[:, 2], kind="stable")]
+        return np.concatenate([upper, -upper]) + 0.0
+
+
+ORBITS = {
+    32: Orbits(("-y,x,z",), in_plane=2),
+    48: Orbits(("y,z,x",)),
+    120: Orbits(("y,z,x",)),
+    156: Orbits(("y,z,x",)),
+    192: Orbits(("y,z,x",)),
+}
+"""What the sets are made of, {±1} for the other sizes.
+
+The unknowns (two for a free point, one for a point in the plane, less one where rotations about an axis
+of G keep it) must be as many as the independent sums: 7 for 32 points, 63 for 192 points at degree 19, 39
+for 120 at degree 15, which without symmetry have 117 for 119 sums. Sizes of remainder 4 modulo 6, as 70
+and 94, exclude the axis (1,1,1), and the other groups leave them too few unknowns. Designs of 6 and 12
+points are octahedron and icosahedron; `orient` places them as the paper does, and its digits depend on it.
+"""
 
 
 @dataclass(frozen=True)
@@ -66,91 +148,104 @@ def compute_design(M_sph: int, starts: int = STARTS) -> Design:
     RuntimeError
         If no start reaches a design.
     """
-    degree, order = DESIGN_DEGREE[M_sph], ROTATION_ORDER.get(M_sph, 1)
+    degree, orbits = DESIGN_DEGREE[M_sph], ORBITS.get(M_sph, Orbits())
     found = []
     for seed in range(starts):
-        free = solve(spread(M_sph // (2 * order), order, seed), degree, order)
-        points = symmetric_set(free, order)
-        if residual(points, degree) < SOLVED:
-            found.append((round(smallest_angle(points), 6), -seed, points))
+        free = solve(spread(orbits.free_count(M_sph), orbits, seed), degree, orbits)
+        points = orbits.all_points(free)
+        if len(points) == M_sph and residual(points, degree) < SOLVED:
+            found.append((round(smallest_angle(points), 6), -seed, free))
     if not found:
         raise RuntimeError(f"M_sph={M_sph}: no design of degree {degree} from {starts} starts")
-    _, seed, points = max(found, key=lambda candidate: candidate[:2])
-    half = orient(polish(points[: M_sph // 2], degree))
-    return Design(np.vstack([half, -half]) + 0.0, degree, -seed)  # + 0.0: no negative zeros
+    _, seed, free = max(found, key=lambda candidate: candidate[:2])
+    free = polish(free, degree, orbits)
+    if len(orbits.group) == 1:
+        free = orient(free)
+    return Design(orbits.all_points(free.astype(float)), degree, -seed)
 
 
-def spread(count: int, order: int, seed: int) -> NDArray:
-    """`count` free points whose symmetric set has a (locally) least Coulomb energy."""
+def spread(count: int, orbits: Orbits, seed: int) -> NDArray:
+    """`count` free points whose orbits have a (locally) least Coulomb energy."""
     u = np.random.default_rng([seed, count]).normal(size=3 * count)
     options = {"maxiter": 2000, "maxfun": 4000, "ftol": 1e-13, "gtol": 1e-7}
-    result = minimize(_energy, u, args=(order,), jac=True, method="L-BFGS-B", options=options)
-    return _normalised(result.x)[0]
+    result = minimize(_energy, u, args=(orbits,), jac=True, method="L-BFGS-B", options=options)
+    return orbits.points(result.x)[0]
 
 
-def solve(start: NDArray, degree: int, order: int) -> NDArray:
-    """Free points near `start` at which the sums of the invariant harmonics vanish (if they can).
+def solve(start: NDArray, degree: int, orbits: Orbits) -> NDArray:
+    """Free points near `start` at which the sums of all harmonics vanish (if they can).
 
     Unknowns are vectors u with x = u/|u|, so dY/du = (tangential gradient of Y)/|u|.
     """
-    modes = invariant_modes(degree, order)
+    modes = even_modes(degree)
     if len(modes) == 0:
         return start
 
     def sums(u: NDArray) -> NDArray:
-        return np.mean(harmonics(_normalised(u)[0], modes), axis=1)
+        return means(orbits.points(u)[0], modes, orbits)
 
     def jacobian(u: NDArray) -> NDArray:
-        x, length = _normalised(u)
-        return (harmonic_gradients(x, modes) / length).reshape(len(modes), -1) / len(x)
+        x, length = orbits.points(u)
+        return (mean_gradients(x, modes, orbits) / length).reshape(len(modes), -1)
 
     tolerance = 1e-15
     result = least_squares(
         sums, start.ravel(), jacobian, ftol=tolerance, xtol=tolerance, gtol=tolerance, max_nfev=200
     )
-    return _normalised(result.x)[0]
+    return orbits.points(result.x)[0]
 
 
-def polish(points: NDArray, degree: int) -> NDArray:
-    """Free points (no rotational symmetry assumed) with residual at long double round-off."""
-    modes = invariant_modes(degree, 1)
-    x = _normalised(points.astype(np.longdouble))[0]
+def polish(free: NDArray, degree: int, orbits: Orbits) -> NDArray:
+    """Free points with residual at long double round-off."""
+    modes = even_modes(degree)
+    x = orbits.points(free.astype(np.longdouble))[0]
     for _ in range(POLISH_STEPS if len(modes) else 0):
-        sums = np.mean(harmonics(x, modes), axis=1)
-        jacobian = harmonic_gradients(x, modes).reshape(len(modes), -1) / len(x)
+        sums = means(x, modes, orbits)
+        jacobian = mean_gradients(x, modes, orbits).reshape(len(modes), -1)
         # the step itself needs few digits: the sums above carry the precision
         step = np.linalg.lstsq(jacobian.astype(float), -sums.astype(float), rcond=SINGULAR)[0]
-        x = _normalised(x + step.reshape(x.shape))[0]
+        x = orbits.points(x + step.reshape(x.shape))[0]
     return x
 
 
-def orient(points: NDArray) -> NDArray:
-    """Rotate so that row 0 is (0, 0, 1) and its nearest axis has y = 0, x > 0; turn all to z ≥ 0.
+def orient(free: NDArray) -> NDArray:
+    """Rotate so that row 0 is (0, 0, 1) and its nearest axis has y = 0, x > 0.
 
-    `points` are the free points of an antipodal set; the result is rounded to double precision.
+    `free` are points of an antipodal set without their antipodes.
     """
-    pole = points[0]
-    nearest = 1 + np.argmax(np.abs(points[1:] @ pole)) if len(points) > 1 else None
-    seed = points[nearest] if nearest is not None else np.roll(pole, 1)
+    pole = free[0]
+    nearest = 1 + np.argmax(np.abs(free[1:] @ pole)) if len(free) > 1 else None
+    seed = free[nearest] if nearest is not None else np.roll(pole, 1)
     seed = seed * (1 if seed @ pole >= 0 else -1)
     y = np.cross(pole, seed)
     y /= np.sqrt(y @ y)
-    rotated = points @ np.stack([np.cross(y, pole), y, pole], axis=1)
+    rotated = free @ np.stack([np.cross(y, pole), y, pole], axis=1)
     rotated[np.abs(rotated) < np.finfo(float).eps ** 1.1] = 0  # zero but for long double round-off
-    rotated *= np.where(rotated[:, 2:] < 0, -1, 1)
-    return rotated[np.argsort(-rotated[:, 2], kind="stable")].astype(float)
+    return rotated
 
 
-def invariant_modes(degree: int, order: int) -> NDArray:
-    """Modes (l, m) that do not vanish by symmetry: even l < degree, order | m; shape (count, 2)."""
-    modes = [(l, m) for l in range(2, degree, 2) for m in range(-l, l + 1) if m % order == 0]
+def even_modes(degree: int) -> NDArray:
+    """Modes (l, m) that antipodes do not cancel, even l < degree; shape (count, 2)."""
+    modes = [(l, m) for l in range(2, degree, 2) for m in range(-l, l + 1)]
     return np.array(modes, dtype=int).reshape(-1, 2)
 
 
-def symmetric_set(free: NDArray, order: int) -> NDArray:
-    """All images of the free points under the rotations about z, then all their negatives."""
-    turned = np.concatenate([free @ rotation.T for rotation in _rotations(order)])
-    return np.vstack([turned, -turned])
+def means(free: NDArray, modes: NDArray, orbits: Orbits) -> NDArray:
+    """Mean of each Y_lm, l even, over the whole set; shape (modes,)."""
+    shares = orbits.shares(len(free))
+    images = [np.mean(harmonics(x, modes) * shares, axis=1) for x in orbits.images(free)]
+    return np.mean(images, axis=0) / np.mean(shares)
+
+
+def mean_gradients(free: NDArray, modes: NDArray, orbits: Orbits) -> NDArray:
+    """Tangential gradients of `means` in the free points, shape (modes, n, 3).
+
+    That of Y(h x) in x is hᵀ(∇Y)(h x).
+    """
+    turned = zip(orbits.images(free), orbits.group, strict=True)
+    gradients = np.mean([harmonic_gradients(x, modes) @ h for x, h in turned], axis=0)
+    shares = orbits.shares(len(free))
+    return gradients * (shares / np.sum(shares))[:, None]
 
 
 def smallest_angle(points: NDArray) -> float:
@@ -191,33 +286,23 @@ def main(arguments: Sequence[str] | None = None) -> None:
         print(path.read_text().splitlines()[3].removeprefix("# "), path)
 
 
-def _energy(u: NDArray, order: int) -> tuple[float, NDArray]:
-    """Coulomb energy an orbit, ½ Σ_i Σ_j 1/|x_i − x_j|, and its gradient in u, x = u/|u|.
+def _energy(u: NDArray, orbits: Orbits) -> tuple[float, NDArray]:
+    """Coulomb energy over |G|, ½ Σ_i Σ_j q_i q_j/|x_i − x_j|, and its gradient in u, x = u/|u|.
 
-    i runs over free points, j over the whole set; by symmetry the gradient is the plain force.
+    i runs over free points, j over their images under G, q are the orbits' shares (a point in the plane is
+    met twice among its images). By symmetry the gradient is the plain force.
     """
-    x, length = _normalised(u)
-    difference = x[:, None, :] - symmetric_set(x, order)[None, :, :]
+    x, length = orbits.points(u)
+    q = orbits.shares(len(x))
+    images = orbits.images(x)
+    others = np.concatenate([images, -images]).reshape(-1, 3)
+    difference = x[:, None, :] - others[None, :, :]
     distance = np.sqrt(np.sum(difference**2, axis=-1))
-    np.fill_diagonal(distance, np.inf)  # the set starts with the free points themselves
-    force = -np.sum(difference / distance[..., None] ** 3, axis=1)
+    distance[distance < COINCIDENT] = np.inf  # the point itself
+    charges = q[:, None] * np.tile(q, 2 * len(orbits.group))
+    force = -np.sum(charges[..., None] * difference / distance[..., None] ** 3, axis=1)
     tangential = force - np.sum(force * x, axis=1, keepdims=True) * x
-    return 0.5 * float(np.sum(1 / distance)), (tangential / length).ravel()
-
-
-def _normalised(u: NDArray) -> tuple[NDArray, NDArray]:
-    """Rows of u, shape (n, 3), divided by their lengths; and the lengths, shape (n, 1)."""
-    rows = u.reshape(-1, 3)
-    length = np.sqrt(np.sum(rows**2, axis=1, keepdims=True))
-    return rows / length, length
-
-
-def _rotations(order: int) -> list[NDArray]:
-    """Rotation matrices by 2π j/order about z; the first is the identity."""
-    angles = 2 * np.pi * np.arange(order) / order
-    return [
-        np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]]) for a in angles
-    ]
+    return 0.5 * float(np.sum(charges / distance)), (tangential / length).ravel()
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from granstudy.symmetry import Element, Symmetry, move
 def invariance(rule: Rule, group: Symmetry) -> Symmetry:
     """The elements of ``group`` under which `symmetrise(rule)` is invariant, weights included.
 
-    Lebedev's rules keep all of the octahedral group; spherical designs as a rule only ±1.
+    Lebedev's rules keep all of the octahedral group, designs what their orbits are made by (or ±1 only).
     """
     full = symmetrise(rule)
     tree = KDTree(full.points)

@@ -93,6 +93,6 @@ def test_transforms_saved():
     general = fast_operator(asymmetric_scene(3), gs.Solver(**rule))
     assert octahedral.transforms == 2 * 30 * 3 + 3
     assert general.transforms == 2 * 30 * 19 + 3
-    # designs have nothing but ±1 in common with the scene, and pairs use that already
+    # this design has nothing but ±1 in common with the scene, and pairs use that already
     design = fast_operator(gs.load_scene("bkw3d", restitution=0.2), gs.Solver(8, 7.0, M_sph=70))
     assert len(design.group) == 1

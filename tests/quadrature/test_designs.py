@@ -11,9 +11,11 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from scipy.special import sph_harm_y
 
-from granstudy.quadrature import designs
+from granstudy.quadrature import designs, sphere_rule
 from granstudy.quadrature.design_data import DESIGN_DEGREE, design_points
 from granstudy.quadrature.harmonics import exact_degree, harmonic_gradients, harmonics, residual
+from granstudy.quadrature.orbits import representatives
+from granstudy.symmetry import Symmetry, move
 
 MODES = np.array([(l, m) for l in range(20) for m in range(-l, l + 1)])  # noqa: E741
 
@@ -31,7 +33,17 @@ def test_every_shipped_file_is_a_symmetric_design(M_sph, degree):
     assert np.abs(np.linalg.norm(points, axis=1) - 1).max() < 3e-16
     assert residual(points, degree) < 1e-15
     assert exact_degree(points) == degree
-    assert np.array_equal(points[0], [0, 0, 1])
+
+
+@pytest.mark.parametrize("M_sph", DESIGN_DEGREE)
+def test_shipped_designs_have_their_groups_to_the_last_bit(M_sph):
+    points, orbits = design_points(M_sph), designs.ORBITS.get(M_sph, designs.Orbits())
+    group = Symmetry.generated(3, "-x,-y,-z", *orbits.generators)
+    for h in group.elements:
+        assert set(map(tuple, move(h, points))) == set(map(tuple, points))
+    assert len(representatives(sphere_rule(M_sph), group)) == orbits.free_count(M_sph)
+    if len(group) == 2:
+        assert np.array_equal(points[0], [0, 0, 1])
 
 
 def test_points_are_well_separated():
@@ -122,23 +134,78 @@ def test_the_program_finds_a_design_of_32_points():
     assert np.array_equal(design.points, designs.compute_design(32, starts=1).points)
 
 
-def test_a_rotational_symmetry_keeps_only_its_harmonics():
-    assert len(designs.invariant_modes(15, 1)) == 119
-    assert len(designs.invariant_modes(15, 3)) == 39
-    points = designs.symmetric_set(random_points(4), order=3)
-    modes = MODES[(MODES[:, 0] > 0)]
-    sums = np.abs(harmonics(points, modes).mean(axis=1))
-    kept = (modes[:, 0] % 2 == 0) & (modes[:, 1] % 3 == 0)
-    assert sums[~kept].max() < 1e-14
-    assert sums[kept].min() > 1e-6
+SETS = [
+    designs.Orbits(),
+    designs.Orbits(("y,z,x",)),
+    designs.Orbits(("-y,x,z",), in_plane=2),
+    designs.Orbits(("x,y,-z", "y,z,x"), in_plane=1),
+]
 
 
-def test_energy_gradient_matches_differences():
-    u, step = np.random.default_rng(3).normal(size=15), np.random.default_rng(4).normal(size=15)
-    for order in (1, 3):
-        slope = designs._energy(u, order)[1] @ step
-        forward, backward = (designs._energy(u + h * step, order)[0] for h in (1e-6, -1e-6))
-        assert slope == pytest.approx((forward - backward) / 2e-6, rel=1e-6)
+def free_points(orbits, count: int = 4, seed: int = 0) -> np.ndarray:
+    return orbits.points(random_points(count, seed))[0]
+
+
+@pytest.mark.parametrize("orbits", SETS)
+def test_the_set_is_all_distinct_images(orbits):
+    points = orbits.all_points(free_points(orbits))
+    in_full = 4 - orbits.in_plane / 2
+    assert len(points) == 2 * len(orbits.group) * in_full
+    assert orbits.free_count(len(points)) == 4
+    assert len(np.unique(points.round(12), axis=0)) == len(points)
+    half = len(points) // 2
+    assert np.array_equal(points[half:], -points[:half])
+    assert np.all(points[:half, 2] >= 0)
+
+
+@pytest.mark.parametrize("orbits", SETS)
+def test_means_over_orbits_are_means_over_the_set(orbits):
+    free = free_points(orbits)
+    modes = designs.even_modes(9)
+    everyone = harmonics(orbits.all_points(free), modes).mean(axis=1)
+    np.testing.assert_allclose(designs.means(free, modes, orbits), everyone, atol=1e-14)
+
+
+@pytest.mark.parametrize("orbits", SETS)
+def test_gradients_of_the_means_match_differences(orbits):
+    free, modes = free_points(orbits), designs.even_modes(9)
+    along = np.random.default_rng(1).normal(size=free.shape)
+    along[: orbits.in_plane, 2] = 0
+    gradients = designs.mean_gradients(free, modes, orbits)
+    forward, backward = (
+        designs.means(orbits.points(free + h * along)[0], modes, orbits) for h in (1e-5, -1e-5)
+    )
+    slopes = np.tensordot(gradients, along, axes=2)
+    np.testing.assert_allclose(slopes, (forward - backward) / 2e-5, atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("generators", "degree", "independent"),
+    [((), 7, 27), ((), 15, 119), (("y,z,x",), 15, 39), (("y,z,x",), 19, 63), (("-y,x,z",), 7, 7)],
+)
+def test_as_many_sums_are_independent_as_harmonics_have_invariants(generators, degree, independent):
+    modes, orbits = designs.even_modes(degree), designs.Orbits(generators)
+    values = [designs.means(random_points(1, seed), modes, orbits) for seed in range(130)]
+    assert np.linalg.matrix_rank(np.array(values), tol=1e-10) == independent
+
+
+@pytest.mark.parametrize("orbits", SETS)
+def test_energy_gradient_matches_differences(orbits):
+    u, step = free_points(orbits, 5).ravel(), np.random.default_rng(4).normal(size=15)
+    step[2 : 3 * orbits.in_plane : 3] = 0
+    slope = designs._energy(u, orbits)[1] @ step
+    forward, backward = (designs._energy(u + h * step, orbits)[0] for h in (1e-6, -1e-6))
+    assert slope == pytest.approx((forward - backward) / 2e-6, rel=1e-6)
+
+
+@pytest.mark.parametrize("orbits", SETS)
+def test_energy_is_that_of_the_whole_set(orbits):
+    free = free_points(orbits)
+    points = orbits.all_points(free)
+    distance = np.linalg.norm(points[:, None] - points[None], axis=-1)
+    whole = 0.5 * np.sum(1 / distance[~np.eye(len(points), dtype=bool)])
+    order = 2 * len(orbits.group)
+    assert designs._energy(free.ravel(), orbits)[0] * order == pytest.approx(whole, rel=1e-12)
 
 
 def test_unreachable_is_said(monkeypatch):

@@ -1,0 +1,91 @@
+"""What a simulation by particles will cost: its collisions are counted before it runs."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.special import gamma
+
+from granstudy.cost import INTERPRETER_MB, Cost
+from granstudy.kernel import VHS, sphere_area
+from granstudy.particles.batch import COLLISIONS_A_STEP, HEATING_SPLIT
+from granstudy.scene import Scene
+from granstudy.solver import Solver
+from granstudy.theory import gaussian_cooling_coefficient
+
+SECONDS_PER_COLLISION = {"maxwell": 5.5e-8, "hard spheres": 1.9e-7, "between": 4.0e-7}
+"""With the candidates that come to none, on one core of a 2021 server; a general |g|^λ takes long."""
+
+CACHED_PARTICLES = 100_000
+OUT_OF_CACHE = 3.0
+"""How much longer a collision takes in a larger batch, as its pairs are anywhere in memory."""
+
+SETUP_SECONDS = 0.05
+"""Of the majorants of the initial density."""
+
+SECONDS_PER_DRAW = 6.0e-7
+"""Of one particle of the initial density, accepted or not."""
+
+SECONDS_PER_KICK = 1.0e-7
+"""Of one heating of one particle."""
+
+SECONDS_PER_RECORD = 1.0e-8
+"""Of a particle's part in the moments."""
+
+SECONDS_PER_CALL = 5.0e-5
+"""Of recording one batch once, whatever its size."""
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What the gas is expected to do: collisions and heating steps of each particle, on average."""
+
+    collisions: float
+    heating_steps: float
+
+
+def particle_cost(scene: Scene, solver: Solver, t_final: float, records: int) -> tuple[Cost, int]:
+    """Cost on one thread of a run with so many recorded times, and the collisions expected in it."""
+    assert solver.particles is not None
+    expected = expect(scene, solver, t_final)
+    n = solver.particles
+    collisions = math.ceil(n * expected.collisions / 2)
+    seconds = collisions * _seconds_per_collision(scene.kernel, n // solver.batches)
+    seconds += n * expected.heating_steps * SECONDS_PER_KICK
+    seconds += records * (n * SECONDS_PER_RECORD + solver.batches * SECONDS_PER_CALL)
+    points = (solver.N + 1) ** scene.dim
+    # A batch and what it was drawn from on each thread; the cells' majorants.
+    numbers = 20 * n / solver.batches * min(solver.thread_count, solver.batches) + 20 * points
+    memory = INTERPRETER_MB + math.ceil(8 * numbers / 2**20)
+    return Cost(SETUP_SECONDS + n * SECONDS_PER_DRAW, seconds, 1, memory), collisions
+
+
+def expect(scene: Scene, solver: Solver, t_final: float) -> Expected:
+    """Integrate dT/dt = 2ε − ρK T^{1+λ/2} (K of a Gaussian) and the collision rate along it.
+
+    Of a restitution law, e is taken at the impact speed √T.
+    """
+    grid = solver.grid(scene.dim)
+    start = grid.velocity_moments(scene.density(grid))
+    T0 = float(np.trace(start.pressure)) / (scene.dim * start.density)
+    rate = start.density * sphere_area(scene.dim) * scene.kernel.strength
+    lam, d, eps = scene.kernel.exponent, scene.dim, float(scene.diffusion)
+
+    def rates(t: float, y: np.ndarray) -> list[float]:
+        T = math.exp(y[0])
+        e = scene.restitution
+        e = float(np.asarray(e(np.array([math.sqrt(T)])))[0]) if callable(e) else float(e)
+        K = start.density * gaussian_cooling_coefficient(scene.kernel, e, d)
+        nu = rate * (2.0 * math.sqrt(T)) ** lam * gamma((d + lam) / 2) / gamma(d / 2)
+        split = math.sqrt(2.0 * eps * nu / (HEATING_SPLIT * T))
+        steps = max(split, nu / COLLISIONS_A_STEP) if eps else 0.0
+        return [2.0 * eps / T - K * T ** (lam / 2), nu, steps]
+
+    end = solve_ivp(rates, (0.0, t_final), [math.log(T0), 0.0, 0.0], "LSODA", rtol=1e-3).y[:, -1]
+    return Expected(collisions=float(end[1]), heating_steps=float(end[2]))
+
+
+def _seconds_per_collision(kernel: VHS, n: int) -> float:
+    kind = {0.0: "maxwell", 1.0: "hard spheres"}.get(kernel.exponent, "between")
+    return SECONDS_PER_COLLISION[kind] * (OUT_OF_CACHE if n > CACHED_PARTICLES else 1.0)

@@ -1,0 +1,157 @@
+"""Independent batches of particles, their means and standard errors (docs/particles.md §3)."""
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from tqdm import tqdm
+
+from granstudy.dataset import Status, particle_dataset, standard_error
+from granstudy.grid import VelocityGrid
+from granstudy.particles.batch import Batch, Gas, HardImpactError, history
+from granstudy.particles.sampling import Sampler, quiet
+from granstudy.scene import Scene
+from granstudy.solver import Solver
+
+LEAST_TEMPERATURE = 1e-150
+"""Below this fourth powers of velocities are no floating-point numbers."""
+
+
+@dataclass(frozen=True)
+class Record:
+    """What one batch leaves: its moments at the times it reached, cell counts by time, why it ended."""
+
+    moments: list[dict[str, Any]]
+    counts: dict[float, np.ndarray]
+    reason: str
+
+
+def simulate_particles(
+    scene: Scene,
+    solver: Solver,
+    times: Sequence[float] | np.ndarray,
+    save_every: int | None = None,
+    progress: bool | None = None,
+) -> xr.Dataset:
+    """Simulate a scene by particles and record its moments at any increasing times.
+
+    Parameters
+    ----------
+    solver : Solver
+        Of method ``dsmc``: its ``particles``, ``batches`` and ``seed``; N and R say the cells and the box
+        that the initial density is drawn on. The result does not depend on ``threads``.
+    times : array_like, shape (n,)
+        Increasing, from 0 on; as far apart as one likes, there is no step but with heating.
+    save_every : int, optional
+        Keep the density, counted in the grid's cells, at every so many of them, the first and the last.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `granstudy.simulate` returns it, with a `<name>_standard_error` for each moment: the standard
+        deviation over batches divided by √batches.
+
+    Raises
+    ------
+    ValueError
+        For a bad scene, solver or time, before any work starts; and for a run that ends before the
+        first of its times.
+    """
+    if solver.method != "dsmc":
+        raise ValueError(f"method={solver.method!r}: simulate_particles needs method 'dsmc'")
+    times = _checked_times(times)
+    assert solver.particles is not None
+    grid = solver.grid(scene.dim)
+    start = grid.velocity_moments(scene.density(grid))
+    gas = Gas.of(scene, solver.R, start.density, start.momentum / start.density)
+    sampler = Sampler(scene, grid)
+    n = solver.particles // solver.batches
+    kept = _kept(times, save_every)
+
+    def run(rng: np.random.Generator) -> Record:
+        batch = Batch(gas, quiet(sampler.draw(n, rng), start.pressure / start.density), rng)
+        moments: list[dict[str, Any]] = []
+        counts: dict[float, np.ndarray] = {}
+        try:
+            for time, values in zip(times, history(batch, times), strict=True):
+                moments.append(values)
+                if time in kept:
+                    counts[time] = batch.cell_counts(grid.N, grid.L)
+        except HardImpactError as error:
+            return Record(moments, counts, str(error))
+        return Record(moments, counts, "")
+
+    streams = np.random.SeedSequence(solver.seed).spawn(solver.batches)
+    with ThreadPoolExecutor(min(solver.thread_count, solver.batches)) as pool:
+        done = pool.map(run, map(np.random.default_rng, streams))
+        hidden = None if progress is None else not progress
+        records = list(tqdm(done, total=solver.batches, disable=hidden))
+    return _dataset(scene, solver, grid, gas, times, records)
+
+
+def _checked_times(times: Sequence[float] | np.ndarray) -> np.ndarray:
+    checked = np.asarray(times, dtype=float)
+    increasing = checked.ndim == 1 and checked.size > 0 and bool(np.all(np.diff(checked) > 0.0))
+    if not (increasing and checked[0] >= 0.0 and np.isfinite(checked[-1])):
+        raise ValueError(f"times={times!r}: must be increasing finite numbers of at least 0")
+    return checked
+
+
+def _kept(times: np.ndarray, save_every: int | None) -> set[float]:
+    """Times at which the density is kept."""
+    return set() if save_every is None else {*times[::save_every].tolist(), float(times[-1])}
+
+
+def _dataset(
+    scene: Scene,
+    solver: Solver,
+    grid: VelocityGrid,
+    gas: Gas,
+    times: np.ndarray,
+    records: list[Record],
+) -> xr.Dataset:
+    """The batches together, up to the time that all of them reached."""
+    count = min(len(record.moments) for record in records)
+    reason = next((r.reason for r in records if r.reason and len(r.moments) == count), "")
+    by_batch = {
+        name: np.array([[values[name] for values in r.moments[:count]] for r in records])
+        for name in records[0].moments[0]
+    }
+    at_rest = np.flatnonzero(by_batch["temperature"].min(axis=0) < LEAST_TEMPERATURE)
+    if at_rest.size:
+        count = int(at_rest[0])
+        reason = f"the temperature fell below {LEAST_TEMPERATURE:g}: the gas is at rest"
+    if reason:
+        reason = f"t = {times[count]:g}: {reason}"
+        if count == 0:
+            raise ValueError(f"{reason}; nothing was recorded before")
+    reached = times[:count]
+    assert solver.particles is not None
+    per_particle = gas.density / (solver.particles * grid.cell)
+    snapshots = {
+        time: per_particle * np.sum([record.counts[time] for record in records], axis=0)
+        for time in records[0].counts
+        if time in reached
+    }
+    by_batch = {name: values[:, :count] for name, values in by_batch.items()}
+    status = Status.DIVERGED if reason else Status.OK
+    warnings = bias_warning(by_batch["a2"][:, reached > 0.0], scene.dim, solver)
+    return particle_dataset(
+        scene, solver, grid, reached, by_batch, snapshots, status, reason, warnings
+    )
+
+
+def bias_warning(a2: np.ndarray, dim: int, solver: Solver) -> list[str]:
+    """A warning where the bias of a2, about −2/(dn) (docs/particles.md §3), shows above its error."""
+    assert solver.particles is not None
+    bias = 2.0 * solver.batches / (dim * solver.particles)
+    error = standard_error(a2)
+    if not np.any(error < bias):
+        return []
+    return [
+        f"a2 has a bias of about {bias:.1e} from the finite number of particles in a batch, above its "
+        f"standard error {np.min(error):.1e}: take fewer batches or more particles"
+    ]

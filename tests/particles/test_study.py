@@ -1,0 +1,137 @@
+"""Particles in a study: runs beside those of other methods, their cost, what a study refuses."""
+
+import shutil
+
+import pytest
+
+import granstudy as gs
+from granstudy import fingerprint as module
+from granstudy.execute import execute
+from granstudy.fingerprint import run_fingerprint
+from granstudy.jobs import run_key
+from granstudy.plan_table import study_forecasts
+from granstudy.study import load_study
+
+STUDY = """
+title: cooling
+experiments:
+  cooling:
+    title: cooling
+    run: evolution
+    scene: {name: maxwellian3d, exponent: 1.0, epsilon: 0.0, restitution: 0.5}
+    solver: {method: dsmc, N: 16, R: 7.0, seed: 1}
+    time: {t_final: 0.4, dt: 0.1}
+    sweep:
+      - {particles: [1000, 2000], batches: [10, 20]}
+"""
+
+
+@pytest.fixture
+def load(tmp_path):
+    def load(old="", new=""):
+        assert old in STUDY
+        path = tmp_path / "test.yaml"
+        path.write_text(STUDY.replace(old, new, 1) if old else STUDY)
+        return load_study(path)
+
+    return load
+
+
+def test_runs_are_written_and_opened_together(load, tmp_path):
+    runs = load().runs["cooling"]
+    assert next(iter(runs)) == "particles~1000/batches~10"
+    assert len({run_key(run) for run in runs.values()}) == 4
+    for name, run in runs.items():
+        gs.write_dataset(execute(run, threads=1), tmp_path / "runs" / f"{name}.nc")
+    runs = gs.unstack_runs(gs.open_runs(tmp_path / "runs"))
+    assert dict(runs["temperature"].sizes) == {"particles": 2, "batches": 2, "time": 5}
+    error = runs["temperature_standard_error"].isel(time=-1).mean("batches")
+    assert 0 < float(error.sel(particles=2000)) < float(error.sel(particles=1000))
+    assert gs.final_values(tmp_path / "runs")["method"].values.tolist() == ["dsmc"] * 4
+
+
+def test_collisions_are_counted_before_they_happen(load):
+    run = load().run("cooling", "particles~2000/batches~20")
+    ds = execute(run, threads=1)
+    forecast = dict(study_forecasts(load()))["cooling/particles~2000/batches~20"]
+    assert forecast.collisions == pytest.approx(2000 / 2 * float(ds["collisions"][-1]), rel=0.1)
+    assert forecast.seconds > 0 and run.cost.seconds > 0
+    assert f"{forecast.collisions:.2g} collisions" in repr(forecast)
+
+
+@pytest.mark.parametrize(
+    ("scene", "t_final"),
+    [
+        (gs.load_scene("bkw2d", restitution=0.3, diffusion=0.0), 5.0),
+        (gs.load_scene("bkw3d", kernel=gs.hard_spheres(3), restitution=0.5, diffusion=0.2), 5.0),
+        (gs.load_scene("bkw3d", kernel=gs.VHS(0.5, 0.1), restitution=gs.Viscoelastic(0.2)), 20.0),
+    ],
+)
+def test_the_collisions_of_other_gases(scene, t_final):
+    solver = gs.Solver(N=16, R=7.0, method="dsmc", particles=4000)
+    ds = gs.simulate(scene, solver, t_final=t_final, dt=t_final)
+    forecast = gs.plan(scene, solver, t_final=t_final, dt=t_final)
+    assert forecast.collisions == pytest.approx(2000 * float(ds["collisions"][-1]), rel=0.15)
+
+
+def test_an_experiment_has_other_methods_beside_particles(load):
+    lines = STUDY[STUDY.index("seed: 1}") :]
+    beside = lines.replace("seed: 1}", "seed: 1, particles: 2000}").replace(
+        "{particles: [1000, 2000], batches: [10, 20]}", "{method: [radial, dsmc]}"
+    )
+    runs = load(lines, beside).runs["cooling"]
+    assert runs["method~dsmc"].solver.particles == 2000
+    assert runs["method~radial"].solver == gs.Solver(N=16, R=7.0, method="radial")
+
+
+def test_a_plan_needs_times():
+    scene = gs.load_scene("bkw2d", restitution=0.3)
+    with pytest.raises(ValueError, match="method 'dsmc' has no evaluation of Q; give t_final"):
+        gs.plan(scene, gs.Solver(N=16, R=7.0, method="dsmc", particles=4000))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("[1000, 2000]", "[1001]", "particles=1001: must be a multiple of batches=10"),
+        ("method: dsmc", "method: fast", "only method 'dsmc' takes it"),
+        ("dt: 0.1", "dt: 0.3", "t_final=0.4 must be a whole number of steps"),
+        (
+            "restitution: 0.5",
+            "restitution: {viscoelastic: 0.8}",
+            "must lie between 0 and 1 for impact speeds up to",
+        ),
+    ],
+)
+def test_mistakes(load, old, new, message):
+    with pytest.raises(ValueError, match=message):
+        load(old, new)
+
+
+def test_only_evolution_runs(tmp_path):
+    text = STUDY.replace("run: evolution", "run: benchmark")
+    lines = [line for line in text.splitlines() if "time:" not in line]
+    path = tmp_path / "test.yaml"
+    path.write_text("\n".join(lines))
+    with pytest.raises(ValueError, match="method='dsmc': has no collision operator for benchmark"):
+        load_study(path)
+
+
+def test_an_edit_of_the_collisions_changes_these_runs_alone(tmp_path, monkeypatch):
+    copy = tmp_path / "granstudy"
+    shutil.copytree(module.PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+
+    def prints():
+        module.imported_modules.cache_clear()
+        module._tree.cache_clear()
+        return {method: run_fingerprint("evolution", method) for method in ("dsmc", "fast")}
+
+    before = prints()
+    monkeypatch.setattr(module, "PACKAGE", copy)
+    assert prints() == before
+    path = copy / "particles" / "collisions.py"
+    path.write_text(path.read_text().replace("0.5 * (n - 1)", "0.6 * (n - 1)"))
+    after = prints()
+    assert {method for method in after if after[method] != before[method]} == {"dsmc"}
+    module.imported_modules.cache_clear()
+    module._tree.cache_clear()
