@@ -17,6 +17,7 @@ import xarray as xr
 
 from granstudy import theory
 from granstudy.health import Trust, verdict
+from granstudy.health import warnings as signs
 from granstudy.kernel import sphere_area
 from granstudy.moments import COMPONENTS, DIMENSIONS, FRAME_LONG_NAMES, LONG_NAMES
 from granstudy.scene import Scene
@@ -154,18 +155,24 @@ def _health(outputs: list[dict[str, float]], stopped: str) -> dict[str, Any]:
         for name, (variable, long_name) in HEALTH_NAMES.items()
         if outputs and name in outputs[-1]
     }
+    return variables | _trust(outputs, stopped)
+
+
+def _trust(outputs: list[dict[str, float]], stopped: str) -> dict[str, Any]:
+    """The label that health comes to, and why."""
     trust, reasons = verdict(outputs, stopped)
-    variables["trust"] = (
-        (),
-        np.int8(trust),
-        {
-            "long_name": "how far temperature and kurtosis can be trusted",
-            "flag_values": np.array([t.value for t in Trust], dtype=np.int8),
-            "flag_meanings": " ".join(t.name.lower() for t in Trust),
-            "reasons": "\n".join(reasons),
-        },
-    )
-    return variables
+    return {
+        "trust": (
+            (),
+            np.int8(trust),
+            {
+                "long_name": "how far temperature and kurtosis can be trusted",
+                "flag_values": np.array([t.value for t in Trust], dtype=np.int8),
+                "flag_meanings": " ".join(t.name.lower() for t in Trust),
+                "reasons": "\n".join(reasons),
+            },
+        )
+    }
 
 
 HEALTH_NAMES = {
@@ -295,13 +302,22 @@ def state_dataset(
     ds: xr.Dataset,
     scene: Scene,
     solver: Solver,
-    status: Status,
     reason: str,
-    warnings: list[str],
+    health: dict[str, float],
     title: str,
 ) -> xr.Dataset:
-    """The variables of a state that was solved for, with a run's coordinates, status and attributes."""
-    return _finish(ds, scene, solver, None, status, reason, warnings, title, ())
+    """The variables of a state that was solved for, with a run's coordinates, health and attributes.
+
+    ``reason``: why it is no state, empty where it is one. ``health`` by the names of `HEALTH_NAMES`.
+    """
+    status = Status.FAILED if reason else Status.OK
+    measured = {
+        variable: ((), health[name], {"long_name": long_name, "units": "1"})
+        for name, (variable, long_name) in HEALTH_NAMES.items()
+        if name in health
+    }
+    ds = ds.assign(measured | _trust([health], reason))
+    return _finish(ds, scene, solver, None, status, reason, list(signs(health).values()), title, ())
 
 
 def _finish(

@@ -6,9 +6,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from granstudy import health, theory
+from granstudy import theory
+from granstudy.balance import CollisionRates
 from granstudy.collision import collision_operator, concrete
-from granstudy.dataset import Status, on_scaled_velocities, state_dataset
+from granstudy.dataset import on_scaled_velocities, state_dataset
+from granstudy.examination import SLOWEST, imbalance
+from granstudy.health import state_of_health
 from granstudy.initial import Maxwellian
 from granstudy.moments import COMPONENTS, moment_values
 from granstudy.newton import Solution, newton
@@ -61,7 +64,7 @@ def cooling_state(
         `g` over the scaled velocities; `temperature`, `a2`, `a3`, `cooling_rate` and others; `tail_slope`
         over ``tail_speed`` = |v−u|/√T: of −ln f against c^λ, against ln c where λ = 0; `residual` over
         ``iteration``; `status`, failed with the reason where none was found: the last iterate is then
-        given as it is. Attributes as those of a run.
+        given as it is. `trust` and its reasons, and attributes, as those of a run.
 
     Raises
     ------
@@ -121,15 +124,17 @@ def _state(
     # Overflow and NaN of iterates that run away are looked for by `newton`.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         found = newton(equation, start, tolerance, max_iterations)
-    ds, reason, warnings = _dataset(scene, gas, equation, found, heated)
-    status = Status.FAILED if reason else Status.OK
+    ds, reason = _dataset(scene, gas, equation, found, heated)
+    examined = _health(gaussian, equation, found, heated)
     title = "heated state" if heated else "cooling state"
-    ds = state_dataset(ds, scene, choice.solver, status, reason, warnings, title)
+    ds = state_dataset(ds, scene, choice.solver, reason, examined, title)
     return ds.assign_attrs(choice.attributes())
 
 
 def _check_solver(solver: Solver) -> None:
     """A tolerance is met for the density that the quadrature is planned with: not that of the state."""
+    if solver.method == "dsmc":
+        raise ValueError("method='dsmc': particles have no equation to solve; take another method")
     if solver.N is None:
         raise ValueError("N=None: a state is not known before it is found; give N and R")
     if solver.rtol is not None and solver.method == "fast":
@@ -166,8 +171,8 @@ def _gas(scene: Scene, solver: Solver) -> _Gas:
 
 def _dataset(
     scene: Scene, gas: _Gas, equation: SteadyEquation, found: Solution, heated: bool
-) -> tuple[xr.Dataset, str, list[str]]:
-    """The state as labelled variables, why it is none, and warnings."""
+) -> tuple[xr.Dataset, str]:
+    """The state as labelled variables, and why it is none."""
     grid, exponent = equation.grid, scene.kernel.exponent
     g, s, m = equation.split(found.x)
     reason = found.reason
@@ -222,8 +227,27 @@ def _dataset(
         tail_speed=("tail_speed", tail.speeds, {"long_name": "|v−u|/√T", "units": "1"}),
         iteration=np.arange(len(found.sizes)),
     )
-    seen = health.warnings(g, moment_values(g, grid), gas.density, grid)
-    return ds, reason, list(seen.values())
+    return ds, reason
+
+
+def _health(
+    scene: Scene, equation: SteadyEquation, found: Solution, heated: bool
+) -> dict[str, float]:
+    """Signs of a density that the grid cannot hold, and what T and a2 may be off by.
+
+    Q of g does not change energy and fourth moment as all pairs of g would. What a steady state is off by
+    is that rate over the one at which it is forgotten (docs/method.md §10).
+    """
+    grid, exponent = equation.grid, scene.kernel.exponent
+    g, _, _ = equation.split(found.x)
+    values = moment_values(g, grid)
+    off = imbalance(CollisionRates(scene, grid), g, equation.collisions(g))
+    cooling = abs(off.cooling)
+    output = state_of_health(g, values, values, grid)
+    output["a2"] = abs(off.a2) / (2 * cooling * heated + SLOWEST[grid.dim] * off.frequency)
+    if heated:
+        output["temperature"] = abs(off.temperature) / (cooling * (1 + exponent / 2))
+    return output
 
 
 def _even_moments(g: np.ndarray, grid: VelocitySpace) -> np.ndarray:

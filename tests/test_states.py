@@ -96,7 +96,7 @@ def test_maxwell_heated_state_has_the_exact_kurtosis(dim, restitution):
     ds = state(scene, replace(RADIAL, R=12.0))
     a2, a3 = theory.sonine_coefficients(theory.maxwell_heated_moments(3, restitution, dim))
     assert float(ds["a2"]) == pytest.approx(a2, abs=1e-5)
-    assert float(ds["a3"]) == pytest.approx(a3, abs=1e-4)
+    assert float(ds["a3"]) == pytest.approx(a3, abs=2e-4)
     assert float(ds["temperature"]) == pytest.approx(0.4 / (1 - restitution**2), rel=1e-6)
 
 
@@ -183,7 +183,11 @@ def test_heated_state_from_hot_and_from_cold(exponent):
     ("method", "restitution", "exponent"), [("fast", 0.7, 1.0), ("carleman", 0.9, 0.0)]
 )
 def test_radial_and_cartesian_agree(method, restitution, exponent, diffusion):
-    """Also for a gas that moves and is not isotropic: its ρ, u and T alone matter."""
+    """Also for a gas that moves and is not isotropic: its ρ, u and T alone matter.
+
+    To a few times what aliasing at this N, and in `carleman` truncation at 0.854 R, leave of Q.
+    """
+    tolerance = {"fast": 1e-4, "carleman": 4e-4}[method]
     scene = gas(restitution, exponent, diffusion, "double_well2d")
     solver = gs.Solver(N=36, R=9.0, N_rho=14, M_cir=24, method=method)
     cartesian = state(scene, solver)
@@ -195,9 +199,9 @@ def test_radial_and_cartesian_agree(method, restitution, exponent, diffusion):
     isotropic = gas(restitution, exponent, diffusion, "maxwellian2d", temperature=T)
     expected = state(isotropic, radial)
     for name in ("a2", "cooling_coefficient"):
-        assert float(cartesian[name]) == pytest.approx(float(expected[name]), abs=1e-4), name
+        assert float(cartesian[name]) == pytest.approx(float(expected[name]), abs=tolerance), name
     g = density * gs.RadialGrid(2, 28, 9.0).to_cartesian(expected["g"].values, grid)
-    assert np.max(np.abs(cartesian["g"].values - g)) < 1e-4 * np.max(g)
+    assert np.max(np.abs(cartesian["g"].values - g)) < tolerance * np.max(g)
 
 
 def test_temperature_and_strength_only_set_units():
@@ -247,6 +251,7 @@ def test_what_is_not_found_is_not_passed_off():
         (gs.heated_state, gas(0.5), RADIAL, "diffusion=0.0: must be positive"),
         (gs.cooling_state, gas(1.0), RADIAL, "restitution=1.0: must be below 1"),
         (gs.cooling_state, gas(gs.Viscoelastic(0.1)), RADIAL, "restitution=Viscoelastic.*a number"),
+        (gs.cooling_state, gas(0.5), gs.Solver(method="dsmc", N=16, R=8.0, particles=1000), "dsmc"),
         (gs.cooling_state, gas(0.5), gs.Solver(rtol=1e-3), "N=None: a state is not known"),
         (gs.cooling_state, gas(0.5), gs.Solver(N=16, R=8.0, rtol=1e-3), "rtol=0.001: holds for"),
     ],
@@ -262,3 +267,21 @@ def test_what_has_no_state(find, scene, solver, message):
 def test_wrong_settings(name, value):
     with pytest.raises(ValueError, match=f"{name}={value!r}: must be"):
         gs.cooling_state(gas(0.5), RADIAL, **{name: value})
+
+
+@pytest.mark.parametrize(
+    ("scene", "N", "R", "a2"),
+    [
+        (gas(0.2, 0.0), 32, 12.0, 16 / 17),  # a tail that no box holds
+        (gas(0.5), 16, 10.0, 0.047612),  # too few speeds
+        (gas(0.5), 24, 5.0, 0.047612),  # too small a box
+        (gas(0.5), 32, 10.0, 0.047612),
+        (gas(0.5, diffusion=0.1), 32, 10.0, 0.025015),
+    ],
+)
+def test_trust_is_earned(scene, N, R, a2):
+    """The estimated error is no less than the true one, and what is off by 0.01 is not trusted."""
+    ds = state(scene, gs.Solver(N=N, R=R, method="radial"))
+    error = abs(float(ds["a2"]) - a2)
+    assert error < float(ds["a2_error_estimate"]) + 1e-6
+    assert int(ds["trust"]) == (0 if error > 0.01 else 2), ds["trust"].attrs["reasons"]
