@@ -36,6 +36,7 @@ class Solution(NamedTuple):
     """Where Newton's method ended."""
 
     x: np.ndarray
+    """The last one with a finite residual"""
     sizes: list[float]
     """Size of the residual at the start and after every step."""
     reason: str
@@ -48,18 +49,19 @@ def newton(equations: Equations, x: np.ndarray, tolerance: float, max_iterations
     Up to `DENSE` unknowns the steps are exact and the residual falls quadratically; beyond, GMRES with the
     derivative's action finds them to `FORCING`.
     """
-    sizes: list[float] = []
-    while True:
-        F = equations.residual(x)
-        sizes.append(equations.size(F, x))
-        if not np.isfinite(sizes[-1]):
-            return Solution(x, sizes, f"the residual is not finite after {len(sizes) - 1} steps")
-        if sizes[-1] <= tolerance:
-            return Solution(x, sizes, "")
+    F = equations.residual(x)
+    sizes = [equations.size(F, x)]
+    while not sizes[-1] <= tolerance:
         if len(sizes) > max_iterations:
             left = f"{sizes[-1]:.2g} after {max_iterations} steps, the tolerance {tolerance:g}"
             return Solution(x, sizes, f"the relative residual is {left}")
-        x = x - _step(equations.derivative(x), F)
+        further = x - _step(equations.derivative(x), F)
+        F = equations.residual(further) if np.all(np.isfinite(further)) else further
+        if not np.all(np.isfinite(F)):
+            return Solution(x, sizes, f"the residual is not finite after {len(sizes)} steps")
+        x = further
+        sizes.append(equations.size(F, x))
+    return Solution(x, sizes, "")
 
 
 def _step(derivative: Callable[[np.ndarray], np.ndarray], F: np.ndarray) -> np.ndarray:

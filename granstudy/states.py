@@ -243,8 +243,9 @@ def _health(
     values = moment_values(g, grid)
     off = imbalance(CollisionRates(scene, grid), g, equation.collisions(g))
     cooling = abs(off.cooling)
+    heating = cooling if heated else 0.0
     output = state_of_health(g, values, values, grid)
-    output["a2"] = abs(off.a2) / (2 * cooling * heated + SLOWEST[grid.dim] * off.frequency)
+    output["a2"] = abs(off.a2) / (2 * heating + SLOWEST[grid.dim] * off.frequency)
     if heated:
         output["temperature"] = abs(off.temperature) / (cooling * (1 + exponent / 2))
     return output

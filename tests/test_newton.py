@@ -57,3 +57,5 @@ def test_what_is_not_finite_ends_it():
     with np.errstate(over="ignore", invalid="ignore"):
         found = newton(Circle(4, 1e-200), np.full(4, 3.0), 1e-13, 9)
     assert "not finite after 1 steps" in found.reason
+    np.testing.assert_array_equal(found.x, 3.0)
+    assert len(found.sizes) == 1
