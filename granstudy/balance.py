@@ -101,6 +101,10 @@ class CollisionRates:
         frequency, energy, fourth = self._pairs.sums(f, np.broadcast_to(V, self.grid.shape))
         return Rates(frequency / m.density, energy / 2, fourth / 2)
 
+    def energy(self, f: np.ndarray) -> float:
+        """The rate of energy alone, in a third of the time."""
+        return self._pairs.energy(f) / 2
+
 
 class _CartesianPairs:
     """Sums over all pairs of nodes, by transforms on twice the box, where nothing wraps around.
@@ -122,6 +126,11 @@ class _CartesianPairs:
         K_hat = scipy.fft.rfftn(weight.reshape(self._size)).real * (cell**2 / weight.size)
         K_hat[..., 1:-1] *= 2.0
         return K_hat
+
+    def energy(self, f: np.ndarray) -> float:
+        """∫∫ of Δ½(V+V*) f f*."""
+        f_hat = scipy.fft.rfftn(f, s=self._size)
+        return float(np.vdot(self._weights.energy, f_hat.real**2 + f_hat.imag**2))
 
     def sums(self, f: np.ndarray, V: np.ndarray) -> tuple[float, float, float]:
         """∫∫ of the frequency, of Δ½(V+V*), and of Δ(V²+V*²), each times f f*."""
@@ -154,6 +163,10 @@ class _RadialPairs:
             fourth = K.constant + K.linear * (V + V_) / 2 + K.square * (V - V_) ** 2
             forms += weight * np.array([K.frequency, K.energy, fourth])
         self._forms = grid.weights[:, None] * forms * grid.weights
+
+    def energy(self, f: np.ndarray) -> float:
+        """∫∫ of Δ½(V+V*) f f*."""
+        return float(f @ self._forms[1] @ f)
 
     def sums(self, f: np.ndarray, V: np.ndarray) -> tuple[float, float, float]:
         """As of `_CartesianPairs`; V is the nodes' own."""

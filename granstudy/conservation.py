@@ -15,14 +15,21 @@ Projection = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """(state, Q of that state) ↦ Q*."""
 
 
-def projection(form: Representation, conserve: Sequence[str]) -> Projection:
-    """The least change of Q that makes ∫φ_i Q* dv vanish for the collision invariants φ_i asked for.
+def projection(
+    form: Representation,
+    conserve: Sequence[str],
+    energy_rate: Callable[[np.ndarray], float] = lambda f: 0.0,
+) -> Projection:
+    """The least change of Q that gives ∫φ_i Q* dv its exact value for the φ_i asked for.
+
+    That is 0 for mass and momentum, and for energy ``energy_rate`` of f: what collisions of all its pairs
+    change (`granstudy.balance`), 0 at e = 1.
 
     After I. Gamba & S. Tharkabhushanam, J. Comput. Phys. 228, 2012 (2009), but with the change measured over
     the Maxwellian M of the gas's own ρ, u, T. Of all Q* the one with the least ∫(Q* − Q)²/M dv is, with
     Lagrange multipliers λ_j and integrals by the grid's own weights,
 
-        Q* = Q − M Σ_j λ_j φ_j,   Σ_j (∫φ_i M φ_j dv) λ_j = ∫φ_i Q dv.
+        Q* = Q − M Σ_j λ_j φ_j,   Σ_j (∫φ_i M φ_j dv) λ_j = ∫φ_i Q dv − E'_i,   E' the exact value.
 
     Without M the change would fill the whole box and spoil the higher moments (docs/method.md §9). On a
     radial grid momentum is 0 by construction and asks for nothing.
@@ -36,9 +43,12 @@ def projection(form: Representation, conserve: Sequence[str]) -> Projection:
     weighted = (phi * grid.measure).reshape(len(phi), -1)
 
     def least_change(state: np.ndarray, Q: np.ndarray) -> np.ndarray:
-        M = _maxwellian(grid, form.density(state))
-        changes = rows * M.ravel()
-        multipliers = np.linalg.solve(changes @ weighted.T, weighted @ form.density(Q).ravel())
+        f = form.density(state)
+        excess = weighted @ form.density(Q).ravel()
+        if "energy" in conserve:
+            excess[-1] -= energy_rate(f)
+        changes = rows * _maxwellian(grid, f).ravel()
+        multipliers = np.linalg.solve(changes @ weighted.T, excess)
         return Q - form.state((multipliers @ changes).reshape(grid.shape))
 
     return least_change
@@ -53,10 +63,10 @@ def _maxwellian(grid: VelocitySpace, f: np.ndarray) -> np.ndarray:
     return np.exp(-np.asarray(c2) / (2 * T))
 
 
-def check_conserve(conserve: Sequence[str], restitution: Restitution) -> None:
-    """Raise ValueError for energy where collisions do not conserve it: they do at e = 1 only."""
-    if "energy" in conserve and (callable(restitution) or restitution != 1.0):
+def check_conserve(conserve: Sequence[str], restitution: Restitution, frame: str) -> None:
+    """Raise ValueError for the energy of particles whose restitution changes with the frame's scale."""
+    if "energy" in conserve and callable(restitution) and frame == "rescaled":
         raise ValueError(
-            f"conserve={tuple(conserve)!r}: restitution={restitution!r}, and collisions conserve "
-            "energy at restitution=1 only; leave 'energy' out"
+            f"conserve={tuple(conserve)!r}: not energy where frame='rescaled' changes the scale of "
+            f"restitution={restitution!r}; leave 'energy' out"
         )

@@ -1,7 +1,7 @@
 """Time integration of ∂t f = Q(f,f) + ε Δv f (docs/method.md §3 and §5)."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
@@ -12,6 +12,7 @@ import xarray as xr
 from tqdm import tqdm
 
 from granstudy import health
+from granstudy.balance import CollisionRates
 from granstudy.collision import CollisionOperator, collision_operator, concrete
 from granstudy.conservation import check_conserve, projection
 from granstudy.dataset import Status, evolution_dataset
@@ -29,6 +30,7 @@ from granstudy.stability import largest_frequency, stability_limit, step_warning
 from granstudy.stepping import AdaptiveSteps, FixedSteps, StoppedError
 from granstudy.time_settings import TimeSettings
 from granstudy.tuning import Tuning
+from granstudy.velocity_space import VelocitySpace
 
 Moments = dict[str, Any]
 
@@ -68,8 +70,8 @@ def simulate(
         ``rk3`` (the paper's; the default with ``dt``), ``dopri54`` (the default with ``time_rtol``), or
         ``exponential``: order 3, with the diffusion exact, so that it does not limit the step.
     conserve : sequence of str
-        Of ``mass``, ``momentum``, and for e = 1 ``energy``: what Q is corrected to conserve, by the least
-        change. The radial method has no momentum to conserve.
+        Of ``mass``, ``momentum`` and ``energy``: what Q is corrected to conserve, by the least change; of
+        energy but for what inelastic collisions of all pairs take. The radial method has no momentum.
         By `dsmc` times say when the moments are recorded and nothing else.
     save_every : int, optional
         Keep the density every so many outputs, with the first and the last; by default none is kept.
@@ -177,7 +179,7 @@ def check_frame(scene: Scene, solver: Solver, settings: TimeSettings) -> None:
             f"frame={settings.frame!r}, conserve={settings.conserve!r}: method 'dsmc' needs neither; "
             "particles keep mass and momentum, and cool without a grid"
         )
-    check_conserve(settings.conserve, scene.restitution)
+    check_conserve(settings.conserve, scene.restitution, settings.frame)
     if settings.frame == "rescaled" and callable(scene.restitution) and solver.rtol is not None:
         raise ValueError(
             f"rtol={solver.rtol!r}: not where a rescaled frame changes the scale of "
@@ -202,7 +204,7 @@ def _prepare(scene: Scene, solver: Solver, settings: TimeSettings) -> _Prepared:
     operator = collision_operator(scene, solver)
     form = representation(operator, scene.symmetry)
 
-    project = projection(form, settings.conserve)
+    project = projection(form, settings.conserve, energy_rate(scene, form.grid, settings))
     Q = collisions(operator)
     equation: FixedFrame | RescaledFrame
     if settings.frame == "fixed":
@@ -221,6 +223,15 @@ def _prepare(scene: Scene, solver: Solver, settings: TimeSettings) -> _Prepared:
     else:
         steps = AdaptiveSteps(equation, made, settings.outputs, settings.time_rtol)
     return _Prepared(operator, equation, steps, equation.start(scene.density(operator.grid)))
+
+
+def energy_rate(
+    scene: Scene, grid: VelocitySpace, settings: TimeSettings
+) -> Callable[[np.ndarray], float]:
+    """What collisions of all pairs change of a density's energy, where a run keeps to it."""
+    if "energy" in settings.conserve and scene.restitution != 1.0:
+        return CollisionRates(scene, grid).energy
+    return lambda f: 0.0
 
 
 def _restitution(scene: Scene, values: Moments) -> Restitution:

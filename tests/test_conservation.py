@@ -105,5 +105,16 @@ def test_elastic_energy():
         scene, gs.Solver(**STARVED), t_final=0.5, dt=0.1, conserve=everything, progress=False
     )
     assert float(abs(ds["energy"] - ds["energy"][0]).max()) < 1e-13
-    with pytest.raises(ValueError, match="restitution=0.5, and collisions conserve energy at rest"):
-        gs.simulate(SCENE, gs.Solver(**STARVED), t_final=0.5, dt=0.1, conserve=everything)
+
+
+def test_the_energy_that_collisions_take_is_that_of_all_pairs():
+    """Of Maxwell molecules T then follows the exact law, with however few directions."""
+    everything = ("mass", "momentum", "energy")
+    time = {"t_final": 1.0, "dt": 0.05, "progress": False}
+    for frame in ("fixed", "rescaled"):
+        kept = gs.simulate(SCENE, gs.Solver(**STARVED), conserve=everything, frame=frame, **time)
+        free = gs.simulate(SCENE, gs.Solver(**STARVED), conserve=("mass",), frame=frame, **time)
+        assert float(kept["temperature_error"][-1]) < 1e-6 < 1e-3 < free["temperature_error"][-1]
+    scene = gs.load_scene("bkw2d", restitution=gs.Viscoelastic(0.1))
+    with pytest.raises(ValueError, match="not energy where frame='rescaled' changes the scale of"):
+        gs.simulate(scene, gs.Solver(**STARVED), conserve=everything, frame="rescaled", **time)
