@@ -17,7 +17,6 @@ import xarray as xr
 
 from granstudy import theory
 from granstudy.health import Trust, verdict
-from granstudy.health import warnings as signs
 from granstudy.kernel import sphere_area
 from granstudy.moments import COMPONENTS, DIMENSIONS, FRAME_LONG_NAMES, LONG_NAMES
 from granstudy.scene import Scene
@@ -316,8 +315,9 @@ def state_dataset(
         for name, (variable, long_name) in HEALTH_NAMES.items()
         if name in health
     }
+    _, warnings = verdict([health], "")
     ds = ds.assign(measured | _trust([health], reason))
-    return _finish(ds, scene, solver, None, status, reason, list(signs(health).values()), title, ())
+    return _finish(ds, scene, solver, None, status, reason, warnings, title, ())
 
 
 def _finish(
