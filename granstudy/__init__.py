@@ -16,6 +16,7 @@ from granstudy.resolution import fit_solver
 from granstudy.scene import Scene, load_scene
 from granstudy.solver import Choice, Solver
 from granstudy.stability import stability_limit
+from granstudy.states import cooling_state, heated_state
 from granstudy.symmetry import Symmetry
 
 __all__ = [
@@ -32,9 +33,11 @@ __all__ = [
     "Viscoelastic",
     "choose",
     "collision_operator",
+    "cooling_state",
     "final_values",
     "fit_solver",
     "hard_spheres",
+    "heated_state",
     "load_scene",
     "maxwell",
     "moments",

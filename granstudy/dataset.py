@@ -154,18 +154,24 @@ def _health(outputs: list[dict[str, float]], stopped: str) -> dict[str, Any]:
         for name, (variable, long_name) in HEALTH_NAMES.items()
         if outputs and name in outputs[-1]
     }
+    return variables | _trust(outputs, stopped)
+
+
+def _trust(outputs: list[dict[str, float]], stopped: str) -> dict[str, Any]:
+    """The label that health comes to, and why."""
     trust, reasons = verdict(outputs, stopped)
-    variables["trust"] = (
-        (),
-        np.int8(trust),
-        {
-            "long_name": "how far temperature and kurtosis can be trusted",
-            "flag_values": np.array([t.value for t in Trust], dtype=np.int8),
-            "flag_meanings": " ".join(t.name.lower() for t in Trust),
-            "reasons": "\n".join(reasons),
-        },
-    )
-    return variables
+    return {
+        "trust": (
+            (),
+            np.int8(trust),
+            {
+                "long_name": "how far temperature and kurtosis can be trusted",
+                "flag_values": np.array([t.value for t in Trust], dtype=np.int8),
+                "flag_meanings": " ".join(t.name.lower() for t in Trust),
+                "reasons": "\n".join(reasons),
+            },
+        )
+    }
 
 
 HEALTH_NAMES = {
@@ -194,11 +200,15 @@ def _densities(
         {name: (("snapshot", *grid.axes), values, attributes)},
         coords=grid.coordinates() | {"snapshot": times},
     )
-    if rescaled:
-        scaled = {axis: f"c{axis[1:]}" for axis in grid.axes}
-        ds = ds.rename(scaled | ({"r_weight": "c_weight"} if "r_weight" in ds else {}))
-        for axis in scaled.values():
-            ds[axis].attrs["long_name"] = f"scaled velocity {axis} of c = (v−u)/θ"
+    return on_scaled_velocities(ds, grid.axes) if rescaled else ds
+
+
+def on_scaled_velocities(ds: xr.Dataset, axes: tuple[str, ...]) -> xr.Dataset:
+    """The dataset with a grid's ``axes`` named as velocities c = (v−u)/θ, not v."""
+    scaled = {axis: f"c{axis[1:]}" for axis in axes}
+    ds = ds.rename(scaled | ({"r_weight": "c_weight"} if "r_weight" in ds else {}))
+    for axis in scaled.values():
+        ds[axis].attrs["long_name"] = f"scaled velocity {axis} of c = (v−u)/θ"
     return ds
 
 
@@ -285,6 +295,29 @@ def collision_dataset(
     finite = bool(np.all(np.isfinite(Q)))
     status, reason = (Status.OK, "") if finite else (Status.DIVERGED, "Q is not finite")
     return _finish(ds, scene, solver, None, status, reason, [], "collision", plans)
+
+
+def state_dataset(
+    ds: xr.Dataset,
+    scene: Scene,
+    solver: Solver,
+    reason: str,
+    health: dict[str, float],
+    title: str,
+) -> xr.Dataset:
+    """The variables of a state that was solved for, with a run's coordinates, health and attributes.
+
+    ``reason``: why it is no state, empty where it is one. ``health`` by the names of `HEALTH_NAMES`.
+    """
+    status = Status.FAILED if reason else Status.OK
+    measured = {
+        variable: ((), health[name], {"long_name": long_name, "units": "1"})
+        for name, (variable, long_name) in HEALTH_NAMES.items()
+        if name in health
+    }
+    _, warnings = verdict([health], "")
+    ds = ds.assign(measured | _trust([health], reason))
+    return _finish(ds, scene, solver, None, status, reason, warnings, title, ())
 
 
 def _finish(
