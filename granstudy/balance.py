@@ -11,7 +11,7 @@ no truncation, no sum over modes or directions. Where moments of Q differ from t
 (docs/method.md §9).
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import scipy.fft
@@ -19,9 +19,11 @@ import scipy.fft
 from granstudy.collision.variable_restitution import deflections
 from granstudy.grid import VelocityGrid
 from granstudy.kernel import sphere_area
-from granstudy.radial_grid import RadialGrid
 from granstudy.scene import Scene
 from granstudy.velocity_space import VelocitySpace
+
+if TYPE_CHECKING:  # a run on a Cartesian grid does not depend on the radial one
+    from granstudy.radial_grid import RadialGrid
 
 ANGLES = 64
 """Nodes of the mean over the angle between two velocities."""
@@ -90,7 +92,7 @@ class CollisionRates:
 
     def __init__(self, scene: Scene, grid: VelocitySpace) -> None:
         self.grid = grid
-        make = _RadialPairs if isinstance(grid, RadialGrid) else _CartesianPairs
+        make = _CartesianPairs if isinstance(grid, VelocityGrid) else _RadialPairs
         self._pairs = make(scene, grid)  # type: ignore[arg-type]
 
     def __call__(self, f: np.ndarray) -> Rates:
@@ -150,7 +152,7 @@ class _CartesianPairs:
 class _RadialPairs:
     """Sums over pairs of speeds, each with the mean over the angle between the velocities."""
 
-    def __init__(self, scene: Scene, grid: RadialGrid) -> None:
+    def __init__(self, scene: Scene, grid: "RadialGrid") -> None:
         x, w = np.polynomial.legendre.leggauss(ANGLES)
         if grid.dim == 2:
             x = np.cos(np.pi / 2 * (x + 1))

@@ -187,7 +187,6 @@ def test_initial_densities(initial, message):
             {"t_final": 1.0, "dt": 0.1, "conserve": ["masss"]},
             "unknown invariant in conserve 'masss'",
         ),
-        ({"t_final": 1.0, "dt": 0.1, "conserve": ["energy"]}, "conserve energy at restitution=1"),
     ],
 )
 def test_times(time, message):

@@ -69,7 +69,7 @@ def test_comments_and_docstrings_change_nothing(package):
     for path in package.rglob("*.py"):
         path.write_text(path.read_text() + "\n# a comment\n\n'''Text below a constant.'''\n")
     edited(package / "evolve.py", '"""Advance a scene\'s', '"""Carry a scene\'s')
-    edited(package / "health.py", '"""Where a quantity becomes', '"""Where it becomes')
+    edited(package / "health.py", '"""A quantity, above', '"""Something, above')
     assert changed(before) == set()
 
 
