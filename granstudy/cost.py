@@ -1,5 +1,8 @@
 """What a run will cost, before it starts: seconds and memory.
 
+On a quiet machine with two cores `granstudy.plan` said 0.55 to 1.8 times what an evaluation took, in 60 of 64
+cases (methods, N, dimensions, precisions, tolerances, 1 and 2 threads).
+
 The constants are medians on one machine, and a machine's own speed is a factor on
 all of them. Estimates take no longer than a workflow can wait for before it starts; `granstudy.plan`
 counts transforms exactly.
@@ -31,8 +34,11 @@ CACHED_POINTS = 2**16
 OUT_OF_CACHE = 1.4
 """How much longer a point takes in real transforms of more points than a core's cache holds."""
 
-SERIES_FACTOR = {2: 11.0, 3: 6.0}
+SERIES_FACTOR = {2: 5.5, 3: 5.0}
 """How much longer `fast` takes where e depends on the impact speed."""
+
+SINGLE_FACTOR = 0.75
+"""How much of the time `fast` takes in single precision: 0.6 at N = 64, 0.8 at N = 32 in 3D."""
 
 SECONDS_PER_PAIR = 6.0e-9
 """Of one pair of modes in the direct method."""
@@ -161,12 +167,13 @@ def expected_evaluations(scene: Scene, settings: TimeSettings) -> int:
 
 def transform_count(scene: Scene, solver: Solver) -> int:
     """Transforms an evaluation makes: about as many by `carleman` and under a tolerance, else exactly."""
+    beside = 5 if solver.dealias else 3  # of f, of the loss, and back
     if solver.method == "radial":
         return 0
     if solver.method == "direct":
         return 2
     if solver.rtol is not None:
-        return 2 * planned_nodes(scene, solver.rtol) + 3
+        return 2 * planned_nodes(scene, solver.rtol) + beside
     if solver.method == "carleman":
         # Two a product and pair of directions.
         pairs = len(directions(scene, solver)) // 2
@@ -177,7 +184,7 @@ def transform_count(scene: Scene, solver: Solver) -> int:
     if solver.method == "literal":
         full = solver.variant == "full"
         return 2 * solver.N_rho * len(directions(scene, solver)) + (2 if full else 3)
-    return 2 * solver.N_rho * reduced_count(scene, solver) + 3
+    return 2 * solver.N_rho * reduced_count(scene, solver) + beside
 
 
 def reduced_count(scene: Scene, solver: Solver) -> int:
@@ -202,11 +209,14 @@ def planned_nodes(scene: Scene, rtol: float) -> int:
 def evaluation_seconds(
     scene: Scene, solver: Solver, transforms: int, n: int | None = None
 ) -> float:
-    """Seconds of one evaluation that makes so many transforms, of n points a dimension (N by default)."""
+    """Seconds of one evaluation that makes so many transforms, of n points a dimension.
+
+    By default those of the solver's products.
+    """
     call = SECONDS_PER_CALL[solver.method]
     if solver.method == "radial":
         return call + solver.N**3 * SECONDS_PER_TERM
-    points = (solver.N if n is None else n) ** scene.dim
+    points = (solver.product_points if n is None else n) ** scene.dim
     if solver.method == "direct":
         shells = SHELLS[scene.dim] * solver.N**2
         return call + shells * SECONDS_PER_SHELL + points**2 * SECONDS_PER_PAIR
@@ -215,6 +225,8 @@ def evaluation_seconds(
     each += SECONDS_PER_POINT[solver.method] * larger * points * math.log2(points)
     if solver.method == "fast" and callable(scene.restitution):
         each *= SERIES_FACTOR[scene.dim]
+    if solver.precision == "single":
+        each *= SINGLE_FACTOR
     return call + transforms * each
 
 
@@ -260,7 +272,7 @@ def memory_mb(scene: Scene, solver: Solver, transforms: int) -> int:
         stored += solver.N_rho
     elif solver.method == "carleman":  # a filter a transform, on the ball of modes
         stored += 0.3 * transforms
-    return INTERPRETER_MB + _megabytes(stored * solver.N**scene.dim)
+    return INTERPRETER_MB + _megabytes(stored * solver.product_points**scene.dim)
 
 
 def _megabytes(numbers: float) -> int:

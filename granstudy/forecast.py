@@ -208,6 +208,7 @@ def _count(scene: Scene, solver: Solver) -> tuple[QuadraturePlan | None, int, in
     transforms = transform_count(scene, solver)
     if solver.method == "fast":
         assert solver.N_rho is not None
-        return None, solver.N_rho * reduced_count(scene, solver), transforms, solver.N
+        points = solver.product_points
+        return None, solver.N_rho * reduced_count(scene, solver), transforms, points
     nodes = transforms // 2 - 1 if solver.method == "literal" else 0
     return None, nodes, transforms, solver.N

@@ -20,6 +20,7 @@ SMALL = {"N": 12, "R": 5.0, "N_rho": 6, "M_cir": 8, "M_sph": 12, "threads": 1}
             for variant in ("full", "separate")
         ),
         (gs.load_scene("bkw3d", restitution=0.5), SMALL | {"method": "fast"}),
+        (asymmetric_scene(2), SMALL | {"method": "fast", "dealias": True, "precision": "single"}),
         (gs.load_scene("bkw2d", restitution=0.5), SMALL | {"method": "auto"}),
         *(
             (asymmetric_scene(2, 0, 0.0, e), SMALL | {"method": "carleman", "M_cir": M})
