@@ -97,7 +97,14 @@ def _mark_baseline(ax: Axes, table: xr.Dataset) -> None:
     )
     middle = np.sqrt(seconds[base] * seconds[best])
     text = f"{float(f'{seconds[base] / seconds[best]:.3g}'):,g}×"
-    ax.annotate(text, (error[base], middle), (4, 0), textcoords="offset points", color="0.25")
+    ax.annotate(
+        text,
+        (error[base], middle),
+        (4, 0),
+        textcoords="offset points",
+        color="0.25",
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
+    )
 
 
 def _look(name: str) -> dict[str, Any]:
