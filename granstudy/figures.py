@@ -145,7 +145,8 @@ def _panels(table: xr.Dataset, name: str | None) -> list[tuple[str, list[int]]]:
 def _distinguishing(table: xr.Dataset, names: list[str]) -> list[str]:
     """Find the parameters that are needed to tell the lines apart."""
     kept = [name for name in names if name not in ("N_theta", "N_phi")]
-    for name in sorted(kept, key=lambda name: name != "method"):
+    # What says least is left out first.
+    for name in sorted(kept, key=lambda name: (name != "dt", name != "method")):
         fewer = [other for other in kept if other != name]
         if len(list(_lines(table, fewer))) == len(list(_lines(table, kept))):
             kept = fewer

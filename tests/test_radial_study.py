@@ -57,7 +57,7 @@ def test_the_cost_is_that_of_a_small_run(load):
         ("1.0, ", "1.0, velocity: [0.5, 0.0, 0.0], ", "e~0.2: initial=Maxwellian.*isotropic"),
         ("dt: 0.05", "dt: 0.05, time_rtol: 1.0e-5", "dt=0.05, time_rtol=1e-05: give one"),
         ("dt: 0.05", "dt: 0.05, frame: moving", "unknown frame 'moving'"),
-        ("dt: 0.05", "dt: 0.05, conserve: mass-energy", "conserve energy at restitution=1 only"),
+        ("dt: 0.05", "dt: 0.05, conserve: mass-spin", "unknown invariant in conserve .spin."),
         ("N: 16", "N: 3", "N=3: must be an integer of at least 4, the number of radial nodes"),
         (
             "run: evolution\n",
