@@ -1,8 +1,9 @@
 """What a run will cost, before it starts: seconds and memory.
 
-`granstudy.plan` was within a factor 2 of what an evaluation took in 59 of 64 cases on two quiet cores (methods,
-N, dimensions, precisions, tolerances, 1 and 2 threads); four of the others, padded products and e of the impact
-speed in 2D, led to the constants that are here now, the fifth was `direct` in 2D on two threads.
+`granstudy.plan` was within a factor 2 of what an evaluation took in 59 of 64 cases on two quiet
+cores: methods, N, dimensions, precisions, tolerances, 1 and 2 threads. Four of the others, padded
+products and e of the impact speed in 2D, led to the constants that are here now; the fifth was
+`direct` in 2D on two threads.
 
 The constants are medians on one machine, and a machine's own speed is a factor on
 all of them. Estimates take no longer than a workflow can wait for before it starts; `granstudy.plan`
