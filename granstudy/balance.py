@@ -8,7 +8,7 @@ with V = |v−u|², V' after the collision,
 The mean over σ, of the components of g' along and across g, leaves polynomials in |g|,
 |w|² = ½(V+V*) − |g|²/4 and w·g = ½(V−V*). Rates are integrals ½∫∫ |S|C_λ|g|^λ Δ f f* dv dv* over all pairs:
 no truncation, no sum over modes or directions. Where moments of Q differ from them, Q is wrong
-(docs/method.md §9).
+(docs/method.md §10).
 """
 
 from typing import TYPE_CHECKING, NamedTuple

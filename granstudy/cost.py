@@ -18,6 +18,7 @@ import numpy as np
 
 from granstudy.collision.carleman_scenes import product_count
 from granstudy.collision.rules import directions, reduce_directions
+from granstudy.collision.spectra import serial_transforms
 from granstudy.quadrature import circle_rule, sphere_rule
 from granstudy.scene import Scene
 from granstudy.schemes import SCHEMES
@@ -169,7 +170,7 @@ def expected_evaluations(scene: Scene, settings: TimeSettings) -> int:
 
 def transform_count(scene: Scene, solver: Solver) -> int:
     """Transforms an evaluation makes: about as many by `carleman` and under a tolerance, else exactly."""
-    beside = 5 if solver.dealias else 3  # of f, of the loss, and back
+    beside = serial_transforms(solver.N, solver.product_points)
     if solver.method == "radial":
         return 0
     if solver.method == "direct":

@@ -20,7 +20,7 @@ from granstudy.collision.gain import Gain, GainSum
 from granstudy.collision.nodes import Nodes, place_nodes
 from granstudy.collision.operator import check_state
 from granstudy.collision.rules import directions, radial_nodes, reduce_directions
-from granstudy.collision.spectra import resize
+from granstudy.collision.spectra import resize, serial_transforms
 from granstudy.collision.transforms import RealTransforms
 from granstudy.collision.weights import loss_weight
 from granstudy.grid import VelocityGrid
@@ -124,11 +124,6 @@ def fast_operator(scene: Scene, solver: Solver, make_gain: MakeGain = gain_sum) 
     products = VelocityGrid(scene.dim, solver.product_points, solver.R)
     gain = make_gain(scene, solver, products, nodes)
     return NodalOperator(grid, gain, group, spectrum_axes(grid, loss))
-
-
-def serial_transforms(N: int, n: int) -> int:
-    """Transforms beside the nodes': of f, of the loss and back; between grids; of the padded loss."""
-    return 3 if n == N else 4 if n < N else 5
 
 
 def nodal_loss(grid: VelocityGrid, nodes: Nodes) -> np.ndarray:

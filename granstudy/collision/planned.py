@@ -10,13 +10,12 @@ from granstudy.collision.fast import (
     NodalOperator,
     gain_sum,
     nodal_loss,
-    serial_transforms,
     spectrum_axes,
 )
 from granstudy.collision.nodes import place_nodes
 from granstudy.collision.plan import QuadraturePlan
 from granstudy.collision.rules import converged_radial
-from granstudy.collision.spectra import unaliased
+from granstudy.collision.spectra import serial_transforms, unaliased
 from granstudy.collision.weights import loss_weight
 from granstudy.grid import VelocityGrid
 from granstudy.quadrature import Rule, radial_rule

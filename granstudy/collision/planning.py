@@ -14,7 +14,6 @@ import numpy as np
 import scipy.fft
 
 from granstudy.collision.allocation import allocate
-from granstudy.collision.fast import serial_transforms
 from granstudy.collision.gain import GainSum
 from granstudy.collision.operator import ToleranceError
 from granstudy.collision.plan import QuadraturePlan
@@ -29,7 +28,7 @@ from granstudy.collision.planned import (
     shell_radii,
 )
 from granstudy.collision.shells import Shells
-from granstudy.collision.spectra import resize
+from granstudy.collision.spectra import resize, serial_transforms
 from granstudy.grid import VelocityGrid
 from granstudy.quadrature.ladder import ladder
 from granstudy.scene import Scene

@@ -27,6 +27,14 @@ def resize(f_hat: np.ndarray, n: int) -> np.ndarray:
     return out
 
 
+def serial_transforms(N: int, n: int) -> int:
+    """Transforms of `fast` beside those of its nodes, with products on n points a dimension.
+
+    Of f, of the loss, and back; one more between the grids where n < N; two where n > N.
+    """
+    return 3 if n == N else 4 if n < N else 5
+
+
 def unaliased(f_hat: np.ndarray) -> np.ndarray:
     """The modes |k_i| ≤ `KEPT`·N of a half spectrum (N, N', N/2+1), the others zero."""
     N, ny, _ = f_hat.shape
