@@ -82,6 +82,7 @@ class Examination:
         self._every = max(1, (outputs - 1) // BALANCES)
         self._last = outputs - 1
         self._rates: CollisionRates | None = None
+        self._restitution: Any = None
         self._first: dict[str, Any] = {}
         self._clock = 0.0
         self._balanced_at = 0.0
@@ -138,7 +139,8 @@ class Examination:
 
         An error of T decays relative to T, as T' goes as −T^{1+λ/2} + 2ε; one of the shape relaxes.
         """
-        if self._rates is None or callable(restitution):
+        if self._rates is None or restitution != self._restitution:
+            self._restitution = restitution
             self._rates = CollisionRates(replace(self._scene, restitution=restitution), self._grid)
         before, self._imbalance = self._imbalance, imbalance(self._rates, f, Q)
         before = before or self._imbalance
