@@ -29,6 +29,8 @@ from granstudy.look import (
     SYMBOLS,
     WIDTH,
 )
+from granstudy.slope_figure import draw_slope
+from granstudy.state_figure import draw_states
 from granstudy.theory import haff_temperature
 from granstudy.whole_file import write_whole
 
@@ -50,9 +52,9 @@ def draw(
     table : xarray.Dataset
         From `granstudy.tables.experiment_table`.
     run_files : list of str
-        The runs' files; a ``cooling`` figure needs them.
+        The runs' files; ``cooling`` and ``slope`` figures need them.
     beside : sequence of xarray.Dataset
-        Tables of other experiments, which a ``front`` shows in panels of their own.
+        Tables of other experiments, which ``front`` and ``states`` show in panels of their own.
     """
     asked = experiment.figure
     if asked is None:
@@ -64,6 +66,10 @@ def draw(
             figure = _speed(table)
         elif asked.kind == "front":
             figure = draw_front([table, *beside])
+        elif asked.kind == "states":
+            figure = draw_states([table, *beside])
+        elif asked.kind == "slope":
+            figure = draw_slope(table, run_files)
         else:
             figure = _convergence(table, asked.x)
         figure.suptitle(asked.title or experiment.title, fontsize=10)

@@ -31,6 +31,15 @@ HEADINGS = {
     "memory_exponent": "memory: exponent in N",
     "law_exponent": "N^(d+1) log N: exponent",
     "peak_memory_mb": "peak memory (MB)",
+    "cooling_coefficient": "K",
+    "a2_linear": "a2 (linear theory)",
+    "a2_divided": "a2 (linear, divided by 1 + a2)",
+    "a2_exact": "a2 (exact)",
+    "a2_error": "error of a2",
+    "a2_error_estimate": "estimated error of a2",
+    "tail_exponent": "p of the tail",
+    "slope": "d ln T/d ln t",
+    "slope_error": "from −2/λ",
 }
 """What heads a column; the name itself where none is given."""
 
@@ -142,12 +151,14 @@ def _across(table: xr.Dataset, swept: list[str], across: str) -> tuple[list[str]
 def _number(table: xr.Dataset, name: str, i: int) -> str:
     """Write a number to the digits that are worth reading."""
     value = table[name].values[i]
-    if table[name].dtype.kind in "biu":
-        return str(value) if value.dtype.kind != "b" else "yes" * bool(value)
+    if table[name].dtype.kind in "biuUO":
+        return "yes" * bool(value) if table[name].dtype.kind == "b" else str(value)
     if name == table.attrs["quantity"] and np.isnan(value):
         return Status(int(table["status"].values[i])).name.lower()
     if np.isnan(value):
         return ""
+    if "format" in table[name].attrs:
+        return format(float(value), table[name].attrs["format"])
     measure = table.attrs.get("paper_quantity") if name == "paper" else name
     if str(measure).endswith(("error", "drift")):
         return f"{value:.3e}"

@@ -2,6 +2,8 @@
 
 import csv
 import io
+import json
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,20 +16,23 @@ from granstudy import theory
 from granstudy.aggregate import final_values, open_runs
 from granstudy.dataset import CONVENTIONS, Status, read_dataset, write_dataset
 from granstudy.errors import unknown_name
-from granstudy.fits import fit_haff, fit_order, growth_exponent
+from granstudy.fits import fit_haff, fit_order, growth_exponent, local_slope
 from granstudy.front import families
 from granstudy.markdown import markdown_table
+from granstudy.particles.averages import time_average
 from granstudy.printed import match_printed, printed_quantity
+from granstudy.state_table import columns, state_table, with_beside
 from granstudy.whole_file import write_whole
 
 if TYPE_CHECKING:  # a table does not depend on the solvers that the study module imports
     from granstudy.run import Run
-    from granstudy.study_file import Experiment
+    from granstudy.study_file import AverageModel, Experiment
 
 DEFAULT_QUANTITY = {
     "evolution": "temperature",
     "collision": "collision_error",
     "benchmark": "seconds",
+    "state": "a2",
 }
 LEAST_MEMORY_MB = 8.0
 """Peak memories below this are the allocator's, and not fitted."""
@@ -36,7 +41,10 @@ Rows = list[tuple["Run", str]]
 
 
 def experiment_table(
-    experiment: "Experiment", runs: dict[str, "Run"], files: list[str]
+    experiment: "Experiment",
+    runs: dict[str, "Run"],
+    files: list[str],
+    beside: Sequence[xr.Dataset] = (),
 ) -> xr.Dataset:
     """Table of an experiment, a row (dimension ``run``) for each run.
 
@@ -48,6 +56,8 @@ def experiment_table(
         The experiment's runs by path, references among them.
     files : list of str
         Their files in the same order; of a benchmark its one file.
+    beside : sequence of Dataset
+        Tables of the experiments that stand beside states, as the study file lists them.
 
     Returns
     -------
@@ -72,6 +82,13 @@ def experiment_table(
         rows = [(run, file) for _, run, file in paths if not run.is_reference]
         if experiment.run == "evolution":
             table = _evolution(rows)
+            if experiment.table and experiment.table.average:
+                table = _with_averages(table, rows, experiment.table.average)
+        elif experiment.run == "state":
+            table = _with_swept(state_table(rows), rows)
+            if experiment.table:
+                named = zip(experiment.table.beside, beside, strict=True)
+                table = with_beside(table, dict(named))
         else:
             table = _collision(rows, {path: file for path, _, file in paths})
     asked = experiment.table
@@ -84,6 +101,8 @@ def experiment_table(
         table = _with_order(table, quantity, experiment.fit.x)
     elif experiment.fit is not None and experiment.fit.law == "growth":
         table = _with_growth(table)
+    elif experiment.fit is not None and experiment.fit.law == "slope":
+        table = _with_slope(table, rows)
     elif experiment.fit is not None:
         table = _with_haff(table, rows)
     if asked and asked.paper:
@@ -247,6 +266,48 @@ def _with_haff(table: xr.Dataset, rows: Rows) -> xr.Dataset:
     return table
 
 
+def _with_slope(table: xr.Dataset, rows: Rows) -> xr.Dataset:
+    """Add d ln T/d ln t of the last decade, its distance from Haff's law, and how long the run took."""
+    found = []
+    for run, file in rows:
+        with open_runs([file]) as ds:
+            time, T = ds["time"].values[1:], ds["temperature"].values[0, 1:]
+        at, slope = local_slope(time, T)
+        late = slope[at > time[-1] / 10.0]
+        law = -2.0 / run.scene.kernel.exponent
+        sidecar = json.loads(Path(f"{file}.json").read_text())
+        found.append((late.mean(), np.abs(late - law).max(), sidecar["duration_seconds"]))
+    long_names = {
+        "slope": ("d ln T/d ln t, mean over the last decade of t", ".6f"),
+        "slope_error": ("largest |d ln T/d ln t + 2/λ| in the last decade of t", ".1e"),
+        "seconds": ("wall time of the run, set-up included", ".3g"),
+    }
+    for column, (name, (long_name, digits)) in enumerate(long_names.items()):
+        values = np.array([numbers[column] for numbers in found], dtype=float)
+        table[name] = ("run", values, {"long_name": long_name, "units": "1", "format": digits})
+    return table
+
+
+def _with_averages(table: xr.Dataset, rows: Rows, asked: "AverageModel") -> xr.Dataset:
+    """Put averages over time, and their standard errors by batches, in place of the last values."""
+    for name in asked.of:
+        found = []
+        for run, file in rows:
+            if run.solver.method != "dsmc":
+                raise ValueError(f"table.average: only method 'dsmc' has it, not {run.path}")
+            found.append(time_average(read_dataset(file), name, asked.start))
+        where = f"averaged from t = {asked.start:g} on"
+        for values, column, long_name, digits in zip(
+            np.array(found).T,
+            (name, f"{name}_standard_error"),
+            (f"{name}, {where}", f"standard error of {name}, {where}, over batches"),
+            (".6f", ".1e"),
+            strict=True,
+        ):
+            table[column] = ("run", values, {"long_name": long_name, "units": "1", "format": digits})
+    return table
+
+
 def _with_paper(table: xr.Dataset, paper: str, quantity: str) -> xr.Dataset:
     """Add the printed number of each run and ours over it."""
     if quantity not in table:
@@ -270,14 +331,21 @@ def _with_paper(table: xr.Dataset, paper: str, quantity: str) -> xr.Dataset:
 def _finish(table: xr.Dataset, experiment: "Experiment") -> xr.Dataset:
     """Put the columns into reading order, and say what the table is."""
     quantity = table.attrs["quantity"]
-    first = [quantity, "C0", "C0_error", "C0_theory", "paper", "ratio", "has_paper", "order"]
+    first = [quantity, f"{quantity}_standard_error", "slope", "slope_error", "C0", "C0_error", "C0_theory", "paper", "ratio", "has_paper", "order"]
     beside = {
-        "evolution": ["temperature_error", "temperature", "density_drift"],
+        "evolution": [
+            "temperature_error",
+            "temperature",
+            "temperature_standard_error",
+            *(["a2", "seconds"] if "slope" in table else []),
+            "density_drift",
+        ],
+        "state": columns(table) if experiment.run == "state" else [],
         "collision": ["relative_error"],
         "benchmark": [str(name) for name in table.data_vars],
     }[experiment.run]
     names = [name for name in (*first, *beside, "status") if name in table]
-    kept = ("swept", "quantity", "refined", "paper_quantity", "dim")
+    kept = ("swept", "quantity", "refined", "paper_quantity", "dim", "state", "beside")
     attributes = {key: table.attrs[key] for key in kept if key in table.attrs}
     table = table[[*dict.fromkeys(name for name in names if name != "status"), "status"]]
     table.attrs = {
