@@ -1,8 +1,9 @@
 """Whether a run can be trusted: what is measured while it runs, and the label that comes of it.
 
-Of particles that is what their batches differ by. On a grid, collisions change energy and fourth moment at rates that all pairs of a density give without truncation, modes
-or directions (`granstudy.balance`). What Q's own moments differ by, over time, is what T and a2 are off by
-(docs/method.md §10). Beside it stand the signs of a density that its grid cannot hold.
+Of particles that is what their batches differ by. On a grid, collisions change energy and fourth moment at
+rates that all pairs of a density give without truncation, modes or directions (`granstudy.balance`). What Q's
+own moments differ by, over time, is what T and a2 are off by (docs/method.md §10). Beside it stand the signs
+of a density that its grid cannot hold.
 """
 
 from collections.abc import Sequence

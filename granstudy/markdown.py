@@ -157,14 +157,17 @@ def _number(table: xr.Dataset, name: str, i: int) -> str:
         return Status(int(table["status"].values[i])).name.lower()
     if np.isnan(value):
         return ""
-    if "format" in table[name].attrs:
-        return format(float(value), table[name].attrs["format"])
+    return format(float(value), table[name].attrs.get("format") or _digits(table, name, value))
+
+
+def _digits(table: xr.Dataset, name: str, value: float) -> str:
+    """The format of a column that has none of its own."""
     measure = table.attrs.get("paper_quantity") if name == "paper" else name
     if str(measure).endswith(("error", "drift")):
-        return f"{value:.3e}"
+        return ".3e"
     if name == "ratio":
-        return f"{value:.3f}" if 0.01 <= value < 1000 else f"{value:.1e}"
-    return f"{value:.5g}" if measure in ("temperature", "C0", "C0_theory") else f"{value:.3g}"
+        return ".3f" if 0.01 <= value < 1000 else ".1e"
+    return ".5g" if measure in ("temperature", "C0", "C0_theory") else ".3g"
 
 
 def _legend(table: xr.Dataset) -> list[str]:

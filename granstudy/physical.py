@@ -37,7 +37,7 @@ def physical_density(ds: xr.Dataset) -> xr.DataArray:
     """The saved densities f(t, v) of a run, whatever its frame, or the density f(v) of a state.
 
     Of a rescaled run f = θ^{−d} g lies on velocities v = u + θc of its own at each snapshot: ``vx``, ``vy``
-    (``vz``), or ``r``, are coordinates over ``snapshot`` and the scaled axis; of a state over that axis alone.
+    (``vz``), or ``r``, are coordinates over ``snapshot`` and the scaled axis; of a state over that axis.
 
     Raises
     ------

@@ -18,6 +18,7 @@ from granstudy.particles.cost import particle_cost
 from granstudy.particles.restitution_table import alpha_table
 from granstudy.scene import Scene, load_scene
 from granstudy.solver import PARTICLE_FIELDS, TAKES_RTOL, Choice, Solver
+from granstudy.states import check_state, gaussian_scene, state_evaluations
 from granstudy.study_file import (
     Experiment,
     SolverModel,
@@ -26,7 +27,6 @@ from granstudy.study_file import (
     TimingModel,
     ViscoelasticModel,
 )
-from granstudy.states import check_state, gaussian_scene, state_evaluations
 from granstudy.time_settings import TimeSettings
 
 SHARED_WITH_REFERENCE = ("e", "exponent", "epsilon", "N", "R", "N_rho")

@@ -68,9 +68,11 @@ def draw_states(tables: Sequence[xr.Dataset]) -> Figure:
         for ax in axes[0]
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)
     }
+    labels = sorted(labelled, key=lambda label: label == NOT_TRUSTED)
     figure.legend(
-        labelled.values(), labelled.keys(), loc="outside lower center", ncols=min(len(labelled), 3)
-    )
+        [labelled[label] for label in labels], labels, loc="outside lower center",
+        ncols=min(len(labels), 3),
+    )  # fmt: skip
     return figure
 
 

@@ -26,7 +26,7 @@ from granstudy.whole_file import write_whole
 
 if TYPE_CHECKING:  # a table does not depend on the solvers that the study module imports
     from granstudy.run import Run
-    from granstudy.study_file import AverageModel, Experiment
+    from granstudy.study_file import AverageModel, Experiment, TableModel
 
 DEFAULT_QUANTITY = {
     "evolution": "temperature",
@@ -81,14 +81,11 @@ def experiment_table(
                 raise ValueError(f"{file}: is not the file of run {path}")
         rows = [(run, file) for _, run, file in paths if not run.is_reference]
         if experiment.run == "evolution":
-            table = _evolution(rows)
-            if experiment.table and experiment.table.average:
-                table = _with_averages(table, rows, experiment.table.average)
+            table = _evolution(rows, experiment.table)
         elif experiment.run == "state":
             table = _with_swept(state_table(rows), rows)
-            if experiment.table:
-                named = zip(experiment.table.beside, beside, strict=True)
-                table = with_beside(table, dict(named))
+            names = experiment.table.beside if experiment.table else []
+            table = with_beside(table, dict(zip(names, beside, strict=True)))
         else:
             table = _collision(rows, {path: file for path, _, file in paths})
     asked = experiment.table
@@ -101,10 +98,8 @@ def experiment_table(
         table = _with_order(table, quantity, experiment.fit.x)
     elif experiment.fit is not None and experiment.fit.law == "growth":
         table = _with_growth(table)
-    elif experiment.fit is not None and experiment.fit.law == "slope":
-        table = _with_slope(table, rows)
     elif experiment.fit is not None:
-        table = _with_haff(table, rows)
+        table = {"slope": _with_slope, "haff": _with_haff}[experiment.fit.law](table, rows)
     if asked and asked.paper:
         table = _with_paper(table, asked.paper, printed_quantity(asked.paper, quantity))
     return _finish(table, experiment)
@@ -140,13 +135,15 @@ def _cell(name: str, value: xr.DataArray) -> str:
     return str(value.item())
 
 
-def _evolution(rows: Rows) -> xr.Dataset:
-    """Moments and errors at the final time."""
+def _evolution(rows: Rows, asked: "TableModel | None") -> xr.Dataset:
+    """Moments and errors at the final time, or averages that are asked for."""
     with final_values([file for _, file in rows]) as final:
         names = [name for name, v in final.data_vars.items() if v.dims == ("run",)]
         table = final[names].drop_vars(["reason", "warnings"]).load()
     ended = table["status"] == Status.OK
     table = table.map(lambda v: v.where(ended) if v.dtype.kind == "f" else v, keep_attrs=True)
+    if asked and asked.average:
+        table = _with_averages(table, rows, asked.average)
     return _with_swept(table, rows)
 
 
@@ -304,7 +301,11 @@ def _with_averages(table: xr.Dataset, rows: Rows, asked: "AverageModel") -> xr.D
             (".6f", ".1e"),
             strict=True,
         ):
-            table[column] = ("run", values, {"long_name": long_name, "units": "1", "format": digits})
+            table[column] = (
+                "run",
+                values,
+                {"long_name": long_name, "units": "1", "format": digits},
+            )
     return table
 
 
@@ -331,7 +332,19 @@ def _with_paper(table: xr.Dataset, paper: str, quantity: str) -> xr.Dataset:
 def _finish(table: xr.Dataset, experiment: "Experiment") -> xr.Dataset:
     """Put the columns into reading order, and say what the table is."""
     quantity = table.attrs["quantity"]
-    first = [quantity, f"{quantity}_standard_error", "slope", "slope_error", "C0", "C0_error", "C0_theory", "paper", "ratio", "has_paper", "order"]
+    first = [
+        quantity,
+        f"{quantity}_standard_error",
+        "slope",
+        "slope_error",
+        "C0",
+        "C0_error",
+        "C0_theory",
+        "paper",
+        "ratio",
+        "has_paper",
+        "order",
+    ]
     beside = {
         "evolution": [
             "temperature_error",
