@@ -87,13 +87,15 @@ def with_beside(table: xr.Dataset, beside: dict[str, xr.Dataset]) -> xr.Dataset:
     Raises
     ------
     ValueError
-        If the tables sweep no parameter in common, or a gas has several runs in another's table.
+        If the tables sweep no parameter in common, another's has no a2, or several runs of a gas.
     """
     swept = table.attrs["swept"].split()
     for name, other in beside.items():
         common = [key for key in swept if key in other.attrs["swept"].split()]
         if not common:
             raise ValueError(f"table.beside={name!r}: sweeps none of {', '.join(swept)}")
+        if "a2" not in other:
+            raise ValueError(f"table.beside={name!r}: its table has no a2; give it quantity: a2")
         place = _places(other, common, name)
         found = [place.get(key) for key in _keys(table, common)]
         for quantity, digits in COMPARED.items():
