@@ -55,7 +55,7 @@ experiments:
   marching:
     title: marching
     run: evolution
-    scene: {name: maxwellian2d, exponent: 0.0, epsilon: 0.1}
+    scene: {name: maxwellian2d, exponent: 0.0, epsilon: 0.06375}
     solver: {N: 24, R: 9.0, method: radial}
     time: {t_final: 150.0, time_rtol: 1.0e-8}
     sweep:
@@ -65,7 +65,7 @@ experiments:
     title: direct
     run: state
     state: heated
-    scene: {name: maxwellian2d, exponent: 0.0, epsilon: 0.1}
+    scene: {name: maxwellian2d, exponent: 0.0, epsilon: 0.06375}
     solver: {N: 40, R: 9.0, method: auto}
     sweep:
       - {e: 0.7}
