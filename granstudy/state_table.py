@@ -52,8 +52,9 @@ def state_table(rows: Sequence[tuple["Run", str]]) -> xr.Dataset:
     """
     with final_values([file for _, file in rows]) as final:
         names = ["temperature", "a2", "a3", "cooling_coefficient", "a2_error_estimate", "status"]
-        table = final[names].load()
-        trust = [Trust(int(value)).name.lower() for value in final["trust"].values]
+        # One thread: netCDF4 has crashed under several.
+        table = final[[*names, "trust"]].load(scheduler="synchronous")
+    trust = [Trust(int(value)).name.lower() for value in table["trust"].values]
     run = rows[0][0]
     state, dim = run.model.state, run.scene.dim
     assert state is not None
