@@ -139,7 +139,8 @@ def _evolution(rows: Rows, asked: "TableModel | None") -> xr.Dataset:
     """Moments and errors at the final time, or averages that are asked for."""
     with final_values([file for _, file in rows]) as final:
         names = [name for name, v in final.data_vars.items() if v.dims == ("run",)]
-        table = final[names].drop_vars(["reason", "warnings"]).load()
+        # One thread: netCDF4 has crashed under several.
+        table = final[names].drop_vars(["reason", "warnings"]).load(scheduler="synchronous")
     ended = table["status"] == Status.OK
     table = table.map(lambda v: v.where(ended) if v.dtype.kind == "f" else v, keep_attrs=True)
     if asked and asked.average:
