@@ -137,15 +137,15 @@ def _cell(name: str, value: xr.DataArray) -> str:
 
 def _evolution(rows: Rows, asked: "TableModel | None") -> xr.Dataset:
     """Moments and errors at the final time, or averages that are asked for."""
+    # Before all files are open: netCDF4 has crashed where a file was opened twice.
+    averages = _averages(rows, asked.average) if asked and asked.average else {}
     with final_values([file for _, file in rows]) as final:
         names = [name for name, v in final.data_vars.items() if v.dims == ("run",)]
         # One thread: netCDF4 has crashed under several.
         table = final[names].drop_vars(["reason", "warnings"]).load(scheduler="synchronous")
     ended = table["status"] == Status.OK
     table = table.map(lambda v: v.where(ended) if v.dtype.kind == "f" else v, keep_attrs=True)
-    if asked and asked.average:
-        table = _with_averages(table, rows, asked.average)
-    return _with_swept(table, rows)
+    return _with_swept(table.assign(averages), rows)
 
 
 def _collision(rows: Rows, files: dict[str, str]) -> xr.Dataset:
@@ -286,28 +286,23 @@ def _with_slope(table: xr.Dataset, rows: Rows) -> xr.Dataset:
     return table
 
 
-def _with_averages(table: xr.Dataset, rows: Rows, asked: "AverageModel") -> xr.Dataset:
-    """Put averages over time, and their standard errors by batches, in place of the last values."""
+def _averages(rows: Rows, asked: "AverageModel") -> dict[str, Any]:
+    """Averages over time and their standard errors by batches, which replace the last values."""
+    variables = {}
+    where = f"averaged from t = {asked.start:g} on"
+    for run, _ in rows:
+        if run.solver.method != "dsmc":
+            raise ValueError(f"table.average: only method 'dsmc' has it, not {run.path}")
+    datasets = [read_dataset(file) for _, file in rows]
     for name in asked.of:
-        found = []
-        for run, file in rows:
-            if run.solver.method != "dsmc":
-                raise ValueError(f"table.average: only method 'dsmc' has it, not {run.path}")
-            found.append(time_average(read_dataset(file), name, asked.start))
-        where = f"averaged from t = {asked.start:g} on"
-        for values, column, long_name, digits in zip(
-            np.array(found).T,
-            (name, f"{name}_standard_error"),
-            (f"{name}, {where}", f"standard error of {name}, {where}, over batches"),
-            (".6f", ".1e"),
-            strict=True,
+        means, errors = np.array([time_average(ds, name, asked.start) for ds in datasets]).T
+        for column, values, long_name, digits in (
+            (name, means, f"{name}, {where}", ".6f"),
+            (f"{name}_standard_error", errors, f"standard error of {name}, {where}", ".1e"),
         ):
-            table[column] = (
-                "run",
-                values,
-                {"long_name": long_name, "units": "1", "format": digits},
-            )
-    return table
+            attributes = {"long_name": long_name, "units": "1", "format": digits}
+            variables[column] = ("run", values, attributes)
+    return variables
 
 
 def _with_paper(table: xr.Dataset, paper: str, quantity: str) -> xr.Dataset:
