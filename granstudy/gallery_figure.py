@@ -1,0 +1,132 @@
+"""A hard case as a figure: T and a2 over time and the last density, of every run and of the truth."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from granstudy.dataset import flag_word, read_dataset
+from granstudy.density_profile import thermal_profile
+from granstudy.look import COLOURS, PANEL_HEIGHT, SYMBOLS, WIDTH
+from granstudy.truth import Truth, truth_of
+
+if TYPE_CHECKING:  # a figure does not depend on the solvers that the study module imports
+    from granstudy.run import Run
+
+LEAST_DENSITY = 1e-7
+"""Densities are drawn down to this part of the largest."""
+
+LONG_AGO = 100.0
+"""Time is drawn in its logarithm where the last output is so many times the first."""
+
+TIMES_OF_LAW = 200
+
+
+def draw_gallery(
+    table: xr.Dataset, rows: "Sequence[tuple[Run, str]]", files: Mapping[str, str]
+) -> Figure:
+    """Draw the runs of an experiment beside their truth, which is black.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        From `granstudy.tables.experiment_table`.
+    rows : sequence of (Run, str)
+        The table's runs and their files, in its order.
+    files : dict of str
+        Files of all the experiment's runs, truths among them, by path.
+    """
+    figure = Figure(figsize=(1.3 * WIDTH, PANEL_HEIGHT + 1.2), layout="constrained")
+    panels = figure.subplots(1, 3)
+    names = _distinguishing(table)
+    truths: dict[str, Truth] = {}
+    for i, (run, file) in enumerate(rows):
+        ds = read_dataset(file)
+        label = ", ".join(_value(name, table[name].values[i]) for name in names)
+        look: dict[str, Any] = {"color": COLOURS[i % len(COLOURS)], "zorder": 3}
+        # What others agree with lies under them, wide and pale, so that both are seen.
+        look |= {"linewidth": 1.3 + 0.8 * (len(rows) - 1 - i), "alpha": 0.85}
+        label = f"{label}: {flag_word('trust', ds['trust'])}{', stopped' * bool(int(ds['status']))}"
+        _histories(panels, ds, ds["temperature"].values, ds["a2"].values, look | {"label": label})
+        _density(panels[2], ds, look)
+        key = "law" if run.model.truth and run.model.truth.law else run.truth.path
+        if key not in truths:
+            truths[key] = truth_of(run, files, _dense(ds["time"].values))
+            _draw_truth(panels, truths[key], None if key == "law" else files[key])
+    _scales(panels, next(iter(truths.values())))
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    return figure
+
+
+def _distinguishing(table: xr.Dataset) -> list[str]:
+    """The swept parameters that take more than one value."""
+    names = table.attrs["swept"].split()
+    return [name for name in names if np.unique(table[name].values).size > 1] or names
+
+
+def _value(name: str, value: object) -> str:
+    number = isinstance(value, (int, float, np.number))
+    return f"{SYMBOLS.get(name, name)} = {value:g}" if number else str(value)
+
+
+def _dense(times: np.ndarray) -> np.ndarray:
+    """Times for a smooth curve through outputs that are spaced evenly, or so in their logarithm."""
+    if times.size < 3:
+        return times
+    if times[-1] > LONG_AGO * times[1]:
+        return np.concatenate([[0.0], np.geomspace(times[1], times[-1], TIMES_OF_LAW)])
+    return np.linspace(0.0, times[-1], TIMES_OF_LAW)
+
+
+def _histories(
+    panels: Sequence[Axes], ds: xr.Dataset, T: np.ndarray, a2: np.ndarray, look: dict[str, Any]
+) -> None:
+    time = ds["time"].values
+    panels[0].plot(time, T, **look)
+    panels[1].plot(time, a2, **look)
+
+
+def _density(ax: Axes, ds: xr.Dataset, look: dict[str, Any]) -> None:
+    """Draw the last density; where it is negative, its size as crosses."""
+    profile = thermal_profile(ds)
+    if profile is None:
+        return
+    x, y = profile
+    ax.plot(x, np.where(y > 0.0, y, np.nan), **look)
+    ax.plot(x, np.where(y < 0.0, -y, np.nan), **look | {"linestyle": "none", "marker": "x"})
+
+
+def _draw_truth(panels: Sequence[Axes], truth: Truth, file: str | None) -> None:
+    """Draw a truth in black, with the density of its run."""
+    look: dict[str, Any] = {"color": "black", "linestyle": "--", "linewidth": 1.0, "zorder": 4}
+    panels[0].plot(truth.time, truth.temperature, **look, label=f"truth: {truth.source}")
+    panels[1].plot(truth.time, truth.a2, **look)
+    if file is not None:
+        _density(panels[2], read_dataset(file), look)
+
+
+def _scales(panels: Sequence[Axes], truth: Truth) -> None:
+    """Logarithms where numbers span decades; the density where it is worth looking at."""
+    time, T = truth.time, truth.temperature
+    for ax in panels[:2]:
+        ax.set(xlabel="$t$", xlim=(0.0, time[-1]))
+        if time.size > 2 and time[-1] > LONG_AGO * time[1]:
+            ax.set(xscale="log", xlim=(time[1], time[-1]))
+    if T.max() > 10.0 * T.min():
+        panels[0].set_yscale("log")
+    # A run that runs away must not flatten the truth.
+    spread = max(0.05, 3.0 * np.ptp(truth.a2))
+    panels[1].set_ylim(truth.a2.min() - spread, truth.a2.max() + spread)
+    panels[0].set(title="temperature $T$")
+    panels[1].set(title="kurtosis excess $a_2$")
+    panels[2].set(
+        title="density at the end (×: −f)",
+        xlabel=r"$(v_x - u_x)/\sqrt{T}$",
+        yscale="log",
+        ylim=(LEAST_DENSITY, 1.0),
+        xlim=(-6.0, 6.0),
+    )
