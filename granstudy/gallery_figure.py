@@ -12,6 +12,7 @@ from granstudy.dataset import flag_word, read_dataset
 from granstudy.density_profile import thermal_profile
 from granstudy.look import COLOURS, PANEL_HEIGHT, SYMBOLS, WIDTH
 from granstudy.truth import Truth, truth_of
+from granstudy.truth_table import telling_apart
 
 if TYPE_CHECKING:  # a figure does not depend on the solvers that the study module imports
     from granstudy.run import Run
@@ -41,8 +42,9 @@ def draw_gallery(
     """
     figure = Figure(figsize=(1.3 * WIDTH, PANEL_HEIGHT + 1.2), layout="constrained")
     panels = figure.subplots(1, 3)
-    names = _distinguishing(table)
+    names = telling_apart(table)
     truths: dict[str, Truth] = {}
+    times = np.zeros(1)
     for i, (run, file) in enumerate(rows):
         ds = read_dataset(file)
         label = ", ".join(_value(name, table[name].values[i]) for name in names)
@@ -56,30 +58,30 @@ def draw_gallery(
         if key not in truths:
             truths[key] = truth_of(run, files, _dense(ds["time"].values))
             _draw_truth(panels, truths[key], None if key == "law" else files[key])
-    _scales(panels, next(iter(truths.values())))
+        times = max(times, ds["time"].values, key=lambda t: t[-1] if t.size else 0.0)
+    _scales(panels, times, next(iter(truths.values())))
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
     return figure
 
 
-def _distinguishing(table: xr.Dataset) -> list[str]:
-    """The swept parameters that take more than one value."""
-    names = table.attrs["swept"].split()
-    return [name for name in names if np.unique(table[name].values).size > 1] or names
-
-
 def _value(name: str, value: object) -> str:
     number = isinstance(value, (int, float, np.number))
+    if name == "conserve":
+        return f"conserve {value}"
     return f"{SYMBOLS.get(name, name)} = {value:g}" if number else str(value)
 
 
+def _is_long(times: np.ndarray) -> bool:
+    return bool(times.size > 2 and times[-1] > LONG_AGO * times[1])
+
+
 def _dense(times: np.ndarray) -> np.ndarray:
-    """Times for a smooth curve through outputs that are spaced evenly, or so in their logarithm."""
+    """Times for a smooth curve, spaced evenly or so in their logarithm, with the outputs among them."""
     if times.size < 3:
         return times
-    if times[-1] > LONG_AGO * times[1]:
-        return np.concatenate([[0.0], np.geomspace(times[1], times[-1], TIMES_OF_LAW)])
-    return np.linspace(0.0, times[-1], TIMES_OF_LAW)
+    space = np.geomspace if _is_long(times) else np.linspace
+    return np.union1d(times, space(times[1], times[-1], TIMES_OF_LAW))
 
 
 def _histories(
@@ -109,13 +111,13 @@ def _draw_truth(panels: Sequence[Axes], truth: Truth, file: str | None) -> None:
         _density(panels[2], read_dataset(file), look)
 
 
-def _scales(panels: Sequence[Axes], truth: Truth) -> None:
+def _scales(panels: Sequence[Axes], times: np.ndarray, truth: Truth) -> None:
     """Logarithms where numbers span decades; the density where it is worth looking at."""
-    time, T = truth.time, truth.temperature
+    T = truth.temperature
     for ax in panels[:2]:
-        ax.set(xlabel="$t$", xlim=(0.0, time[-1]))
-        if time.size > 2 and time[-1] > LONG_AGO * time[1]:
-            ax.set(xscale="log", xlim=(time[1], time[-1]))
+        ax.set(xlabel="$t$", xlim=(0.0, times[-1]))
+        if _is_long(times):
+            ax.set(xscale="log", xlim=(times[1], times[-1]))
     if T.max() > 10.0 * T.min():
         panels[0].set_yscale("log")
     # A run that runs away must not flatten the truth.

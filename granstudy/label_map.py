@@ -9,6 +9,7 @@ import xarray as xr
 from granstudy.dataset import CONVENTIONS, Status, flag_word, write_dataset
 from granstudy.health import Trust
 from granstudy.tables import csv_table
+from granstudy.truth_table import telling_apart
 from granstudy.whole_file import write_whole
 
 TRUSTED_TEMPERATURE = 1e-2
@@ -84,8 +85,7 @@ def label_map(title: str, tables: Mapping[str, xr.Dataset]) -> xr.Dataset:
 
 def _rows(case: str, table: xr.Dataset) -> xr.Dataset:
     """One case's rows: its measures, with what tells its runs apart as text."""
-    swept = [name for name in table.attrs["swept"].split() if name not in CONFIGURATION]
-    varying = [n for n in swept if n not in ALWAYS and np.unique(table[n].values).size > 1]
+    varying = [name for name in telling_apart(table) if name not in (*CONFIGURATION, *ALWAYS)]
     texts = {
         "configuration": _texts(table, CONFIGURATION),
         "variation": _texts(table, [*ALWAYS, *varying]),

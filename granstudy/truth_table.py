@@ -33,6 +33,22 @@ LONG_NAMES = {
 }
 
 
+SAYS_LEAST = ("time_rtol", "sphere_rule")
+"""Parameters that a label leaves out where runs can be told apart without."""
+
+
+def telling_apart(table: xr.Dataset) -> list[str]:
+    """The swept parameters that tell a table's runs apart."""
+    swept = table.attrs["swept"].split()
+    names = [name for name in swept if np.unique(table[name].values).size > 1]
+    for name in SAYS_LEAST:
+        fewer = [other for other in names if other != name]
+        rows = {tuple(table[other].values[i] for other in fewer) for i in range(table.sizes["run"])}
+        if len(rows) == table.sizes["run"]:
+            names = fewer
+    return names
+
+
 def truth_table(rows: "list[tuple[Run, str]]", files: dict[str, str]) -> xr.Dataset:
     """A row for each run, all parameters along ``run``; the columns are `COLUMNS` and `status`.
 
