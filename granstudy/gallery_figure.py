@@ -12,7 +12,7 @@ from granstudy.dataset import flag_word, read_dataset
 from granstudy.density_profile import thermal_profile
 from granstudy.look import COLOURS, PANEL_HEIGHT, SYMBOLS, WIDTH
 from granstudy.truth import Truth, truth_of
-from granstudy.truth_table import telling_apart
+from granstudy.truth_table import parameter_text, telling_apart
 
 if TYPE_CHECKING:  # a figure does not depend on the solvers that the study module imports
     from granstudy.run import Run
@@ -47,7 +47,9 @@ def draw_gallery(
     times = np.zeros(1)
     for i, (run, file) in enumerate(rows):
         ds = read_dataset(file)
-        label = ", ".join(_value(name, table[name].values[i]) for name in names)
+        label = ", ".join(
+            parameter_text(name, table[name].values[i], SYMBOLS.get(name, "")) for name in names
+        )
         look: dict[str, Any] = {"color": COLOURS[i % len(COLOURS)], "zorder": 3}
         # What others agree with lies under them, wide and pale, so that both are seen.
         look |= {"linewidth": 1.3 + 0.8 * (len(rows) - 1 - i), "alpha": 0.85}
@@ -63,13 +65,6 @@ def draw_gallery(
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
     return figure
-
-
-def _value(name: str, value: object) -> str:
-    number = isinstance(value, (int, float, np.number))
-    if name == "conserve":
-        return f"conserve {value}"
-    return f"{SYMBOLS.get(name, name)} = {value:g}" if number else str(value)
 
 
 def _is_long(times: np.ndarray) -> bool:

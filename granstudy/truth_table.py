@@ -49,6 +49,13 @@ def telling_apart(table: xr.Dataset) -> list[str]:
     return names
 
 
+def parameter_text(name: str, value: object, symbol: str = "") -> str:
+    """A parameter as a label says it: ``N = 32``, ``rescaled``, ``conserve mass``."""
+    if isinstance(value, str):
+        return f"{name} {value}" if name == "conserve" else value
+    return f"{symbol or name} = {value:g}"
+
+
 def truth_table(rows: "list[tuple[Run, str]]", files: dict[str, str]) -> xr.Dataset:
     """A row for each run, all parameters along ``run``; the columns are `COLUMNS` and `status`.
 
