@@ -1,5 +1,7 @@
 """The map of a study as a figure: cases down, configurations across, errors in cells coloured by label."""
 
+from typing import Any
+
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
@@ -14,8 +16,10 @@ from granstudy.look import STYLE
 LABEL_COLOURS = {"trusted": "#A8DDB5", "marginal": "#FDE7A0", "untrusted": "#F4A6A0"}
 """Light enough for black numbers; the numbers say the same to readers who do not tell them apart."""
 
-CELL_WIDTH = 2.6
+CELL_WIDTH = 2.9
 LINE_HEIGHT = 0.27
+LETTERS = 52
+"""How many fit into a cell; what is longer takes two lines, in smaller type."""
 
 
 def draw_map(table: xr.Dataset) -> Figure:
@@ -73,5 +77,8 @@ def _line(ax: Axes, row: xr.Dataset, x: float, y: float, height: float) -> None:
         )
     )  # fmt: skip
     numbers = " | ".join(f"{float(row[name]):.0e}" for name in (MEASURES[0], MEASURES[2]))
-    text = f"{row['variation'].item()}:  {numbers}"
-    ax.text(x + 0.5, y + height / 2, text, ha="center", va="center", fontsize=7.5, zorder=4)
+    variation = str(row["variation"].item())
+    fits = len(variation) + len(numbers) < LETTERS
+    text = f"{variation}:  {numbers}" if fits else f"{variation}:\n{numbers}"
+    look: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 4, "linespacing": 1.0}
+    ax.text(x + 0.5, y + height / 2, text, fontsize=7.5 if fits else 6.0, **look)
