@@ -77,9 +77,7 @@ class CarlemanOperator:
         f = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
         f_hat = self._single.forward(f)
         f_hat /= f.size
-        list(
-            self._workers.map(lambda share, work: self._sum_share(f_hat, share, work), self._shares)
-        )
+        self._workers.map(lambda share, work: self._sum_share(f_hat, share, work), self._shares)
         Q = self._gains.sum(axis=0)
         filter_modes(
             f_hat, self._loss[None], NEITHER, 1, self._counts, self._starts, self._single.spectrum
@@ -125,7 +123,7 @@ class CarlemanOperator:
             work.of_m.spectrum[...] = 0.0
 
         self._single.execute_forward()
-        list(self._workers.map(transform_share, self._shares))
+        self._workers.map(transform_share, self._shares)
         self._single.execute_backward()
 
 

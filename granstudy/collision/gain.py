@@ -125,7 +125,7 @@ class GainSum:
                 transforms.execute_forward()
                 self._accumulate(work, part, gain)
 
-        list(self._workers.map(sum_share, list(zip(self.shares, views, strict=True))))
+        self._workers.map(sum_share, list(zip(self.shares, views, strict=True)))
         return gains
 
     def total(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
@@ -144,7 +144,7 @@ class GainSum:
                 work.transforms.execute_forward()
             work.transforms.spectrum[...] = 0.0
 
-        list(self._workers.map(transform_share, self.shares))
+        self._workers.map(transform_share, self.shares)
 
     def _choose_weight(
         self, scene: Scene, k2: np.ndarray
