@@ -1,13 +1,12 @@
 """The examination of a run as it goes on: its state of health, and what T and a2 may be off by."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from granstudy import health
-from granstudy.balance import CollisionRates
+from granstudy.balance import CollisionRates, RatesAt
 from granstudy.scene import Scene
 from granstudy.velocity_space import VelocitySpace
 
@@ -75,6 +74,8 @@ class Examination:
     grid : VelocitySpace
     outputs : int
         How many the run will have.
+    rates : RatesAt
+        Of the scene's collisions on the grid.
 
     Attributes
     ----------
@@ -82,12 +83,10 @@ class Examination:
         `granstudy.health.state_of_health` of every output, with the estimated errors of T and a2.
     """
 
-    def __init__(self, scene: Scene, grid: VelocitySpace, outputs: int) -> None:
-        self._scene, self._grid = scene, grid
+    def __init__(self, scene: Scene, grid: VelocitySpace, outputs: int, rates: RatesAt) -> None:
+        self._scene, self._grid, self._rates = scene, grid, rates
         self._every = max(1, (outputs - 1) // BALANCES)
         self._last = outputs - 1
-        self._rates: CollisionRates | None = None
-        self._restitution: Any = None
         self._first: dict[str, Any] = {}
         self._clock = 0.0
         self._balanced_at = 0.0
@@ -155,10 +154,7 @@ class Examination:
         An error of T decays relative to T, as T' goes as −T^{1+λ/2} + 2ε; one of the shape relaxes. A mass
         other than the scene's makes everything so much faster or slower.
         """
-        if self._rates is None or restitution != self._restitution:
-            self._restitution = restitution
-            self._rates = CollisionRates(replace(self._scene, restitution=restitution), self._grid)
-        before, self._imbalance = self._imbalance, imbalance(self._rates, f, Q)
+        before, self._imbalance = self._imbalance, imbalance(self._rates(restitution), f, Q)
         before = before or self._imbalance
         elapsed, self._balanced_at = self._clock - self._balanced_at, self._clock
         now = self._imbalance

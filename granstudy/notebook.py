@@ -10,8 +10,13 @@ from granstudy.whole_file import write_whole
 LONGEST_CELL_SECONDS = 600
 
 
-def execute_notebook(source: str | Path, target: str | Path) -> None:
+def execute_notebook(source: str | Path, target: str | Path, results: str) -> None:
     """Run ``source`` in the current directory and write it, with its outputs, to ``target``.
+
+    Parameters
+    ----------
+    results : str
+        Folder of the study's results: what the cell tagged ``parameters`` sets.
 
     Raises
     ------
@@ -19,6 +24,8 @@ def execute_notebook(source: str | Path, target: str | Path) -> None:
         If a cell fails; nothing is written then.
     """
     notebook = nbformat.read(source, as_version=4)
+    (parameters,) = (c for c in notebook.cells if "parameters" in c.metadata.get("tags", ()))
+    parameters.source = f"results = {results!r}"
     NotebookClient(notebook, timeout=LONGEST_CELL_SECONDS, kernel_name="python3").execute()
     for cell in notebook.cells:
         cell.metadata.pop("execution", None)  # times of execution differ from run to run

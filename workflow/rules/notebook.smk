@@ -9,6 +9,8 @@ rule notebook:
         f"{RESULTS}/logs/notebooks/{{name}}.log",
     conda:
         "../envs/granstudy.yaml"
+    params:
+        results=RESULTS,
     message:
         "notebook {wildcards.name}"
     script:
