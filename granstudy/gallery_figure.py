@@ -44,7 +44,6 @@ def draw_gallery(
     panels = figure.subplots(1, 3)
     names = telling_apart(table)
     truths: dict[str, Truth] = {}
-    times = np.zeros(1)
     for i, (run, file) in enumerate(rows):
         ds = read_dataset(file)
         label = ", ".join(
@@ -54,14 +53,16 @@ def draw_gallery(
         # What others agree with lies under them, wide and pale, so that both are seen.
         look |= {"linewidth": 1.3 + 0.8 * (len(rows) - 1 - i), "alpha": 0.85}
         label = f"{label}: {flag_word('trust', ds['trust'])}{', stopped' * bool(int(ds['status']))}"
-        _histories(panels, ds, ds["temperature"].values, ds["a2"].values, look | {"label": label})
+        panels[0].plot(ds["time"], ds["temperature"], **look, label=label)
+        panels[1].plot(ds["time"], ds["a2"], **look)
         _density(panels[2], ds, look)
-        key = "law" if run.model.truth and run.model.truth.law else run.truth.path
-        if key not in truths:
-            truths[key] = truth_of(run, files, _dense(ds["time"].values))
-            _draw_truth(panels, truths[key], None if key == "law" else files[key])
-        times = max(times, ds["time"].values, key=lambda t: t[-1] if t.size else 0.0)
-    _scales(panels, times, next(iter(truths.values())))
+        assert run.model.truth is not None and run.time is not None
+        by_law = run.model.truth.law is not None
+        gas = str(run.scene.describe()) if by_law else run.truth.path
+        if gas not in truths:
+            truths[gas] = truth_of(run, files, _dense(run.time.recorded))
+            _draw_truth(panels, truths[gas], None if by_law else files[gas])
+    _scales(panels, next(iter(truths.values())))
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
     return figure
@@ -77,14 +78,6 @@ def _dense(times: np.ndarray) -> np.ndarray:
         return times
     space = np.geomspace if _is_long(times) else np.linspace
     return np.union1d(times, space(times[1], times[-1], TIMES_OF_LAW))
-
-
-def _histories(
-    panels: Sequence[Axes], ds: xr.Dataset, T: np.ndarray, a2: np.ndarray, look: dict[str, Any]
-) -> None:
-    time = ds["time"].values
-    panels[0].plot(time, T, **look)
-    panels[1].plot(time, a2, **look)
 
 
 def _density(ax: Axes, ds: xr.Dataset, look: dict[str, Any]) -> None:
@@ -106,9 +99,9 @@ def _draw_truth(panels: Sequence[Axes], truth: Truth, file: str | None) -> None:
         _density(panels[2], read_dataset(file), look)
 
 
-def _scales(panels: Sequence[Axes], times: np.ndarray, truth: Truth) -> None:
+def _scales(panels: Sequence[Axes], truth: Truth) -> None:
     """Logarithms where numbers span decades; the density where it is worth looking at."""
-    T = truth.temperature
+    T, times = truth.temperature, truth.time
     for ax in panels[:2]:
         ax.set(xlabel="$t$", xlim=(0.0, times[-1]))
         if _is_long(times):

@@ -135,9 +135,7 @@ class TimeFields(_Model):
     ] = None
     conserve: Annotated[
         str | None,
-        Field(
-            description="none, mass, mass-momentum, or at e = 1 mass-momentum-energy; default none"
-        ),
+        Field(description="none, mass, mass-momentum or mass-momentum-energy; default none"),
     ] = None
     save_every: Annotated[
         int | None, Field(description="keep the density every so many outputs")

@@ -30,7 +30,7 @@ experiments:
     time: {t_final: 2.0, time_rtol: 1.0e-7, times: [0.5, 1.0], frame: fixed, save_every: 9}
     truth: {law: maxwell}
     sweep:
-      - {N: [8, 24], R: [9.0]}
+      - {epsilon: [0.1, 0.2], N: [8, 24], R: [9.0]}
     table: {quantity: largest_a2_error}
     figure: {kind: gallery}
   run:
@@ -91,7 +91,7 @@ def test_a_truth_is_computed_once_for_each_gas(study):
 
 def test_the_law_starts_from_the_density_not_from_the_grid(study, made):
     table, files = made["law"]
-    run = study.run("law", "N~8/R~9")
+    run = study.run("law", "epsilon~0.1/N~8/R~9")
     ds = gs.read_dataset(files[0])
     T = theory.maxwell_temperature(ds["time"].values, 1.0, 0.5, 0.1)
     expected = np.max(np.abs(ds["temperature"].values / T - 1.0))
@@ -153,7 +153,7 @@ def test_tables_figures_and_the_map_are_written(study, made, tmp_path):
         save_figure(figure, stem.with_suffix(".png"), stem.with_suffix(".svg"))
         T, a2, density = figure.axes
         # every run and every truth in each panel, and minus the density where it is negative
-        truths = {"law": 1, "run": 2}[name]
+        truths = 2  # one for each gas
         assert len(T.lines) == len(a2.lines) == table.sizes["run"] + truths
         assert len(density.lines) == 2 * (table.sizes["run"] + (truths if name == "run" else 0))
         labels = [text.get_text() for text in figure.legends[0].get_texts()]
@@ -161,11 +161,14 @@ def test_tables_figures_and_the_map_are_written(study, made, tmp_path):
         assert [label.split(": ")[1] for label in labels if "truth" not in label] == words
     found = label_map("labels", tables)
     write_map(found, *(tmp_path / f"map.{s}" for s in ("nc", "csv", "md")))
-    assert xr.open_dataset(tmp_path / "map.nc").sizes["run"] == 6
+    assert xr.open_dataset(tmp_path / "map.nc").sizes["run"] == 8
     lines = (tmp_path / "map.csv").read_text().splitlines()
     assert lines[0].startswith("case,configuration,variation,largest_temperature_error,")
-    assert lines[1].startswith('law,"radial, fixed","N = 8, R = 9",') and len(lines) == 7
-    assert "0 of 6 labels break the rule" in (tmp_path / "map.md").read_text()
+    assert (
+        lines[1].startswith('law,"radial, fixed","N = 8, R = 9, epsilon = 0.1",')
+        and len(lines) == 9
+    )
+    assert "0 of 8 labels break the rule" in (tmp_path / "map.md").read_text()
     assert lines[1].endswith("untrusted,ok,False")
 
 
