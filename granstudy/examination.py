@@ -32,12 +32,15 @@ class Imbalance(NamedTuple):
         T'/T by all pairs.
     frequency : float
         Collisions of a particle.
+    shaping : float
+        a2'/(1 + a2) by all pairs.
     """
 
     temperature: float
     a2: float
     cooling: float
     frequency: float
+    shaping: float
 
 
 def imbalance(rates: CollisionRates, f: np.ndarray, Q: np.ndarray) -> Imbalance:
@@ -52,11 +55,13 @@ def imbalance(rates: CollisionRates, f: np.ndarray, Q: np.ndarray) -> Imbalance:
     # T goes as ∫|v|²f / ρ, and 1 + a2 as ρ ∫|v|⁴f / (∫|v|²f)²
     mass = mass_Q / m.density
     off = (energy_Q - exact.energy) / energy
+    cooling = float(exact.energy / energy)
     return Imbalance(
         temperature=float(off - mass),
         a2=float((fourth_Q - exact.fourth) / fourth + mass - 2.0 * off),
-        cooling=float(exact.energy / energy),
+        cooling=cooling,
         frequency=exact.frequency,
+        shaping=float(exact.fourth / fourth - 2.0 * cooling),
     )
 
 
@@ -86,7 +91,7 @@ class Examination:
         self._clock = 0.0
         self._balanced_at = 0.0
         self._imbalance: Imbalance | None = None
-        self._temperature = self._a2 = 0.0
+        self._temperature = self._a2 = self._mass = 0.0
         self.outputs: list[dict[str, float]] = []
 
     def look(
@@ -118,7 +123,9 @@ class Examination:
             Whether the way from the output before was one step of a size that nothing controls.
         """
         number = len(self.outputs)
-        self._first = self._first or values
+        if number == 0:
+            self._first = values
+            self._sample(values)
         step, self._clock = clock - self._clock, clock
         if number % self._every == 0 or number == self._last:
             self._balance(f, Q(), restitution, heating)
@@ -133,10 +140,19 @@ class Examination:
         self.outputs.append(output)
         return health.warnings(output)
 
+    def _sample(self, values: dict[str, Any]) -> None:
+        """Begin with what the grid makes of the moments that the initial density states, where it does."""
+        stated = self._scene.moments
+        if stated is not None:
+            self._temperature = abs(float(values["temperature"]) / stated.temperature - 1.0)
+            self._a2 = abs(float(values["a2"]) - stated.a2)
+            self._mass = abs(float(values["density"]) / stated.density - 1.0)
+
     def _balance(self, f: np.ndarray, Q: np.ndarray, restitution: Any, heating: float) -> None:
         """Add what T and a2 went astray since the balance before, by the trapezoidal rule.
 
-        An error of T decays relative to T, as T' goes as −T^{1+λ/2} + 2ε; one of the shape relaxes.
+        An error of T decays relative to T, as T' goes as −T^{1+λ/2} + 2ε; one of the shape relaxes. A mass
+        other than the scene's makes everything so much faster or slower.
         """
         before, self._imbalance = self._imbalance, imbalance(self._rates(restitution), f, Q)
         before = before or self._imbalance
@@ -144,7 +160,14 @@ class Examination:
         now = self._imbalance
         forgetting = heating - self._scene.kernel.exponent / 2 * now.cooling
         self._temperature *= np.exp(-elapsed * forgetting)
-        self._temperature += elapsed * (abs(before.temperature) + abs(now.temperature)) / 2
+        self._temperature += elapsed * (self._off(before)[0] + self._off(now)[0]) / 2
         relaxing = 2 * heating + SLOWEST[self._grid.dim] * now.frequency
         self._a2 *= np.exp(-elapsed * relaxing)
-        self._a2 += elapsed * (abs(before.a2) + abs(now.a2)) / 2
+        self._a2 += elapsed * (self._off(before)[1] + self._off(now)[1]) / 2
+
+    def _off(self, rates: Imbalance) -> tuple[float, float]:
+        """Rates at which T and a2 go astray."""
+        return (
+            abs(rates.temperature) + self._mass * abs(rates.cooling),
+            abs(rates.a2) + self._mass * abs(rates.shaping),
+        )

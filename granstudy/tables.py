@@ -12,12 +12,13 @@ import xarray as xr
 
 from granstudy import theory
 from granstudy.aggregate import final_values, open_runs
-from granstudy.dataset import CONVENTIONS, Status, read_dataset, write_dataset
+from granstudy.dataset import CONVENTIONS, FLAGS, Status, flag_word, read_dataset, write_dataset
 from granstudy.errors import unknown_name
 from granstudy.fits import fit_haff, fit_order, growth_exponent
 from granstudy.front import families
 from granstudy.markdown import markdown_table
 from granstudy.printed import match_printed, printed_quantity
+from granstudy.truth_table import COLUMNS, truth_table
 from granstudy.whole_file import write_whole
 
 if TYPE_CHECKING:  # a table does not depend on the solvers that the study module imports
@@ -70,10 +71,13 @@ def experiment_table(
             if not file.endswith(f"{path}.nc"):
                 raise ValueError(f"{file}: is not the file of run {path}")
         rows = [(run, file) for _, run, file in paths if not run.is_reference]
-        if experiment.run == "evolution":
+        by_path = {path: file for path, _, file in paths}
+        if experiment.truth is not None:
+            table = _with_swept(truth_table(rows, by_path), rows)
+        elif experiment.run == "evolution":
             table = _evolution(rows)
         else:
-            table = _collision(rows, {path: file for path, _, file in paths})
+            table = _collision(rows, by_path)
     asked = experiment.table
     quantity = asked.quantity if asked else DEFAULT_QUANTITY[experiment.run]
     numbers = [str(name) for name, v in table.data_vars.items() if v.dtype.kind == "f"]
@@ -114,8 +118,8 @@ def csv_table(table: xr.Dataset) -> str:
 
 
 def _cell(name: str, value: xr.DataArray) -> str:
-    if name == "status":
-        return Status(value.item()).name.lower()
+    if name in FLAGS:
+        return flag_word(name, value)
     if value.dtype.kind == "f":
         return "" if np.isnan(value) else f"{value.item():.10g}"
     return str(value.item())
@@ -276,8 +280,10 @@ def _finish(table: xr.Dataset, experiment: "Experiment") -> xr.Dataset:
         "collision": ["relative_error"],
         "benchmark": [str(name) for name in table.data_vars],
     }[experiment.run]
+    if experiment.truth is not None:
+        beside = list(COLUMNS)
     names = [name for name in (*first, *beside, "status") if name in table]
-    kept = ("swept", "quantity", "refined", "paper_quantity", "dim")
+    kept = ("swept", "quantity", "refined", "paper_quantity", "dim", "truth")
     attributes = {key: table.attrs[key] for key in kept if key in table.attrs}
     table = table[[*dict.fromkeys(name for name in names if name != "status"), "status"]]
     table.attrs = {

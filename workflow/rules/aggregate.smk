@@ -12,7 +12,7 @@ rule table:
         study=STUDY_FILE,
         request=lambda wildcards: STUDY.model.experiments[
             wildcards.experiment
-        ].model_dump_json(include={"title", "table", "fit", "reference"}),
+        ].model_dump_json(include={"title", "table", "fit", "reference", "truth"}),
         code=fingerprint(["granstudy.tables"]),
     message:
         "table {wildcards.experiment}"
