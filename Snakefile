@@ -5,6 +5,7 @@
 include: "workflow/rules/common.smk"
 include: "workflow/rules/run.smk"
 include: "workflow/rules/aggregate.smk"
+include: "workflow/rules/map.smk"
 include: "workflow/rules/notebook.smk"
 include: "workflow/rules/plan.smk"
 
@@ -14,4 +15,5 @@ rule all:
     input:
         tables(),
         figures(),
+        study_map(),
         notebooks(),

@@ -4,18 +4,23 @@ import hashlib
 import io
 import os
 import sys
+import time
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 
-from granstudy.whole_file import write_whole
+from granstudy.whole_file import TEMPORARY_PREFIX, write_whole
 
 VARIABLE = "GRANSTUDY_CACHE"
 """Environment variable that names another cache folder."""
 
 DIGEST_BYTES = hashlib.sha256().digest_size
+
+ABANDONED = 86400.0
+"""Seconds after which a file that was never finished has nobody writing to it; one takes seconds."""
 
 
 def cache_folder() -> Path:
@@ -36,7 +41,8 @@ def cached_array(name: str, compute: Callable[[], np.ndarray]) -> np.ndarray:
 
     Safe with concurrent runs: a file appears whole or not at all, and two that compute the same array
     replace each other's file by an equal one. A file that does not match its checksum is computed
-    anew. Where the folder cannot be written to, a warning says so.
+    anew. Where the folder cannot be written to, a warning says so. What killed processes left half
+    written is removed a day later, with the next array that is kept.
     """
     path = cache_folder() / f"{name}.npy.sha256"
     array = _read(path)
@@ -44,6 +50,7 @@ def cached_array(name: str, compute: Callable[[], np.ndarray]) -> np.ndarray:
         array = compute()
         try:
             write_whole(path, lambda partial: partial.write_bytes(_pack(array)))
+            _remove_abandoned(path.parent)
         except OSError as error:
             warnings.warn(
                 f"{path.parent}: cannot keep computed arrays there ({error}); they are computed "
@@ -51,6 +58,14 @@ def cached_array(name: str, compute: Callable[[], np.ndarray]) -> np.ndarray:
                 stacklevel=2,
             )
     return array
+
+
+def _remove_abandoned(folder: Path) -> None:
+    """Remove unfinished files that nobody has written to for `ABANDONED`; others may be doing the same."""
+    for partial in folder.glob(f"{TEMPORARY_PREFIX}*"):
+        with suppress(OSError):
+            if time.time() - partial.stat().st_mtime > ABANDONED:
+                partial.unlink()
 
 
 def _pack(array: np.ndarray) -> bytes:

@@ -11,6 +11,7 @@ no truncation, no sum over modes or directions. Where moments of Q differ from t
 (docs/method.md §10).
 """
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ import scipy.fft
 
 from granstudy.collision.variable_restitution import deflections
 from granstudy.grid import VelocityGrid
-from granstudy.kernel import sphere_area
+from granstudy.kernel import Restitution, sphere_area
 from granstudy.scene import Scene
 from granstudy.velocity_space import VelocitySpace
 
@@ -106,6 +107,21 @@ class CollisionRates:
     def energy(self, f: np.ndarray) -> float:
         """The rate of energy alone, in a third of the time."""
         return self._pairs.energy(f) / 2
+
+
+class RatesAt:
+    """The rates of a scene's collisions at any restitution; the weights of the last one are kept."""
+
+    def __init__(self, scene: Scene, grid: VelocitySpace) -> None:
+        self._scene, self._grid = scene, grid
+        self._last: tuple[Restitution, CollisionRates] | None = None
+
+    def __call__(self, restitution: Restitution) -> CollisionRates:
+        """The rates with this restitution in place of the scene's."""
+        if self._last is None or self._last[0] != restitution:
+            scene = replace(self._scene, restitution=restitution)
+            self._last = restitution, CollisionRates(scene, self._grid)
+        return self._last[1]
 
 
 class _CartesianPairs:

@@ -15,7 +15,7 @@ from pandas.api.types import is_bool_dtype, is_numeric_dtype
 
 from granstudy.study_file import SWEPT
 
-KEYS = (*SWEPT, "N_theta", "N_phi", "threads")
+KEYS = (*SWEPT, "N_theta", "N_phi", "threads", "case", "configuration", "variation")
 """Columns that tell which row it is."""
 
 
@@ -48,6 +48,13 @@ TOLERANCES = {
         1e-6, 1e-11, "collision_error over max|Q|; a tolerance's plan is deterministic"
     ),
     "temperature": Tolerance(1e-9, 1e-12, "a moment of order one after some hundred steps"),
+    "largest_temperature_error": Tolerance(
+        1e-4, 1e-9, "a difference of moments known to 1e-9; steps that adapt follow round-off"
+    ),
+    "largest_a2_error": Tolerance(1e-4, 1e-8, "as largest_temperature_error"),
+    "temperature_error_estimate": Tolerance(1e-4, 1e-9, "as largest_temperature_error"),
+    "a2_error_estimate": Tolerance(1e-4, 1e-8, "as largest_temperature_error"),
+    "a2": Tolerance(1e-6, 1e-8, "a quotient of moments after some hundred adaptive steps"),
     "density_drift": Tolerance(1e-6, 1e-11, "round-off of a sum over the grid"),
     "order": Tolerance(1e-3, 1e-3, "a slope through errors near the round-off of T"),
     "C0": Tolerance(1e-7, 0.0, "a fit to smooth data"),

@@ -41,6 +41,15 @@ class Status(IntEnum):
     DIVERGED = 2
 
 
+FLAGS: dict[str, type[IntEnum]] = {"status": Status, "trust": Trust}
+"""What the numbers of a flag variable mean."""
+
+
+def flag_word(name: str, value: Any) -> str:
+    """What a flag says, ``ok`` or ``trusted``."""
+    return FLAGS[name](int(value)).name.lower()
+
+
 def run_coordinates(
     scene: Scene, solver: Solver, settings: TimeSettings | None = None
 ) -> dict[str, Any]:

@@ -12,7 +12,7 @@ import xarray as xr
 from tqdm import tqdm
 
 from granstudy import health
-from granstudy.balance import CollisionRates
+from granstudy.balance import RatesAt
 from granstudy.collision import CollisionOperator, collision_operator, concrete
 from granstudy.conservation import check_conserve, projection
 from granstudy.dataset import Status, evolution_dataset
@@ -30,7 +30,6 @@ from granstudy.stability import largest_frequency, stability_limit, step_warning
 from granstudy.stepping import AdaptiveSteps, FixedSteps, StoppedError
 from granstudy.time_settings import TimeSettings
 from granstudy.tuning import Tuning
-from granstudy.velocity_space import VelocitySpace
 
 Moments = dict[str, Any]
 
@@ -105,7 +104,7 @@ def simulate(
     grid, equation, steps = run.operator.grid, run.equation, run.steps
 
     tuning = Tuning(run.operator)
-    examination = Examination(scene, grid, steps.outputs)
+    examination = Examination(scene, grid, steps.outputs, run.rates)
     found: dict[str, str] = {}
     times_reached: list[float] = []
     history: list[Moments] = []
@@ -192,6 +191,7 @@ class _Prepared:
     """All that is known before the first step."""
 
     operator: CollisionOperator
+    rates: RatesAt
     equation: FixedFrame | RescaledFrame
     steps: FixedSteps | AdaptiveSteps
     start: np.ndarray
@@ -204,7 +204,8 @@ def _prepare(scene: Scene, solver: Solver, settings: TimeSettings) -> _Prepared:
     operator = collision_operator(scene, solver)
     form = representation(operator, scene.symmetry)
 
-    project = projection(form, settings.conserve, energy_rate(scene, form.grid, settings))
+    rates = RatesAt(scene, form.grid)
+    project = projection(form, settings.conserve, energy_rate(rates, scene, settings))
     Q = collisions(operator)
     equation: FixedFrame | RescaledFrame
     if settings.frame == "fixed":
@@ -222,23 +223,22 @@ def _prepare(scene: Scene, solver: Solver, settings: TimeSettings) -> _Prepared:
         steps = FixedSteps(equation, made, settings.dt, settings.steps)
     else:
         steps = AdaptiveSteps(equation, made, settings.outputs, settings.time_rtol)
-    return _Prepared(operator, equation, steps, equation.start(scene.density(operator.grid)))
+    return _Prepared(operator, rates, equation, steps, equation.start(scene.density(operator.grid)))
 
 
 def energy_rate(
-    scene: Scene, grid: VelocitySpace, settings: TimeSettings
+    rates: RatesAt, scene: Scene, settings: TimeSettings
 ) -> Callable[[np.ndarray], float]:
     """What collisions of all pairs change of a density's energy, where a run keeps to it."""
     if "energy" in settings.conserve and scene.restitution != 1.0:
-        return CollisionRates(scene, grid).energy
+        return rates(scene.restitution).energy
     return lambda f: 0.0
 
 
 def _restitution(scene: Scene, values: Moments) -> Restitution:
     """That of the particles as the grid holds them: a law of the speed counts in the frame's."""
-    if callable(scene.restitution):
-        scale = float(values.get("velocity_scale", 1.0))
-        return ScaledRestitution(scene.restitution, scale)
+    if callable(scene.restitution) and "velocity_scale" in values:
+        return ScaledRestitution(scene.restitution, float(values["velocity_scale"]))
     return scene.restitution
 
 

@@ -1,13 +1,12 @@
 """The examination of a run as it goes on: its state of health, and what T and a2 may be off by."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from granstudy import health
-from granstudy.balance import CollisionRates
+from granstudy.balance import CollisionRates, RatesAt
 from granstudy.scene import Scene
 from granstudy.velocity_space import VelocitySpace
 
@@ -33,12 +32,15 @@ class Imbalance(NamedTuple):
         T'/T by all pairs.
     frequency : float
         Collisions of a particle.
+    shaping : float
+        a2'/(1 + a2) by all pairs.
     """
 
     temperature: float
     a2: float
     cooling: float
     frequency: float
+    shaping: float
 
 
 def imbalance(rates: CollisionRates, f: np.ndarray, Q: np.ndarray) -> Imbalance:
@@ -53,11 +55,13 @@ def imbalance(rates: CollisionRates, f: np.ndarray, Q: np.ndarray) -> Imbalance:
     # T goes as ∫|v|²f / ρ, and 1 + a2 as ρ ∫|v|⁴f / (∫|v|²f)²
     mass = mass_Q / m.density
     off = (energy_Q - exact.energy) / energy
+    cooling = float(exact.energy / energy)
     return Imbalance(
         temperature=float(off - mass),
         a2=float((fourth_Q - exact.fourth) / fourth + mass - 2.0 * off),
-        cooling=float(exact.energy / energy),
+        cooling=cooling,
         frequency=exact.frequency,
+        shaping=float(exact.fourth / fourth - 2.0 * cooling),
     )
 
 
@@ -70,6 +74,8 @@ class Examination:
     grid : VelocitySpace
     outputs : int
         How many the run will have.
+    rates : RatesAt
+        Of the scene's collisions on the grid.
 
     Attributes
     ----------
@@ -77,17 +83,15 @@ class Examination:
         `granstudy.health.state_of_health` of every output, with the estimated errors of T and a2.
     """
 
-    def __init__(self, scene: Scene, grid: VelocitySpace, outputs: int) -> None:
-        self._scene, self._grid = scene, grid
+    def __init__(self, scene: Scene, grid: VelocitySpace, outputs: int, rates: RatesAt) -> None:
+        self._scene, self._grid, self._rates = scene, grid, rates
         self._every = max(1, (outputs - 1) // BALANCES)
         self._last = outputs - 1
-        self._rates: CollisionRates | None = None
-        self._restitution: Any = None
         self._first: dict[str, Any] = {}
         self._clock = 0.0
         self._balanced_at = 0.0
         self._imbalance: Imbalance | None = None
-        self._temperature = self._a2 = 0.0
+        self._temperature = self._a2 = self._mass = 0.0
         self.outputs: list[dict[str, float]] = []
 
     def look(
@@ -119,7 +123,9 @@ class Examination:
             Whether the way from the output before was one step of a size that nothing controls.
         """
         number = len(self.outputs)
-        self._first = self._first or values
+        if number == 0:
+            self._first = values
+            self._sample(values)
         step, self._clock = clock - self._clock, clock
         if number % self._every == 0 or number == self._last:
             self._balance(f, Q(), restitution, heating)
@@ -134,21 +140,34 @@ class Examination:
         self.outputs.append(output)
         return health.warnings(output)
 
+    def _sample(self, values: dict[str, Any]) -> None:
+        """Begin with what the grid makes of the moments that the initial density states, where it does."""
+        stated = self._scene.moments
+        if stated is not None:
+            self._temperature = abs(float(values["temperature"]) / stated.temperature - 1.0)
+            self._a2 = abs(float(values["a2"]) - stated.a2)
+            self._mass = abs(float(values["density"]) / stated.density - 1.0)
+
     def _balance(self, f: np.ndarray, Q: np.ndarray, restitution: Any, heating: float) -> None:
         """Add what T and a2 went astray since the balance before, by the trapezoidal rule.
 
-        An error of T decays relative to T, as T' goes as −T^{1+λ/2} + 2ε; one of the shape relaxes.
+        An error of T decays relative to T, as T' goes as −T^{1+λ/2} + 2ε; one of the shape relaxes. A mass
+        other than the scene's makes everything so much faster or slower.
         """
-        if self._rates is None or restitution != self._restitution:
-            self._restitution = restitution
-            self._rates = CollisionRates(replace(self._scene, restitution=restitution), self._grid)
-        before, self._imbalance = self._imbalance, imbalance(self._rates, f, Q)
+        before, self._imbalance = self._imbalance, imbalance(self._rates(restitution), f, Q)
         before = before or self._imbalance
         elapsed, self._balanced_at = self._clock - self._balanced_at, self._clock
         now = self._imbalance
         forgetting = heating - self._scene.kernel.exponent / 2 * now.cooling
         self._temperature *= np.exp(-elapsed * forgetting)
-        self._temperature += elapsed * (abs(before.temperature) + abs(now.temperature)) / 2
+        self._temperature += elapsed * (self._off(before)[0] + self._off(now)[0]) / 2
         relaxing = 2 * heating + SLOWEST[self._grid.dim] * now.frequency
         self._a2 *= np.exp(-elapsed * relaxing)
-        self._a2 += elapsed * (abs(before.a2) + abs(now.a2)) / 2
+        self._a2 += elapsed * (self._off(before)[1] + self._off(now)[1]) / 2
+
+    def _off(self, rates: Imbalance) -> tuple[float, float]:
+        """Rates at which T and a2 go astray."""
+        return (
+            abs(rates.temperature) + self._mass * abs(rates.cooling),
+            abs(rates.a2) + self._mass * abs(rates.shaping),
+        )

@@ -1,7 +1,7 @@
 """Figures of an experiment, drawn from its table and its runs."""
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from granstudy.aggregate import open_runs
 from granstudy.front import families
 from granstudy.front_figure import draw_front
+from granstudy.gallery_figure import draw_gallery
 from granstudy.look import (
     COLOURS,
     LABELS,
@@ -35,6 +36,7 @@ from granstudy.theory import haff_temperature
 from granstudy.whole_file import write_whole
 
 if TYPE_CHECKING:  # a figure does not depend on the solvers that the study module imports
+    from granstudy.run import Run
     from granstudy.study_file import Experiment
 
 
@@ -43,6 +45,7 @@ def draw(
     table: xr.Dataset,
     run_files: list[str],
     beside: Sequence[xr.Dataset] = (),
+    runs: Mapping[str, "Run"] | None = None,
 ) -> Figure:
     """Draw an experiment's figure, of the kind its study file asks for.
 
@@ -55,6 +58,8 @@ def draw(
         The runs' files; ``cooling`` and ``slope`` figures need them.
     beside : sequence of xarray.Dataset
         Tables of other experiments, which ``front`` and ``states`` show in panels of their own.
+    runs : dict of Run
+        The experiment's runs by path, in the order of their files; a ``gallery`` needs them.
     """
     asked = experiment.figure
     if asked is None:
@@ -70,6 +75,11 @@ def draw(
             figure = draw_states([table, *beside])
         elif asked.kind == "slope":
             figure = draw_slope(table, run_files)
+        elif asked.kind == "gallery":
+            assert runs is not None
+            files = dict(zip(runs, run_files, strict=True))
+            rows = [(run, files[path]) for path, run in runs.items() if not run.is_reference]
+            figure = draw_gallery(table, rows, files)
         else:
             figure = _convergence(table, asked.x)
         figure.suptitle(asked.title or experiment.title, fontsize=10)

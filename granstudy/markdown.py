@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 import xarray as xr
 
-from granstudy.dataset import Status
+from granstudy.dataset import FLAGS, Status, flag_word
 from granstudy.front import families, fastest_within
 
 HEADINGS = {
@@ -30,13 +30,16 @@ HEADINGS = {
     "time_exponent": "time: exponent in N",
     "memory_exponent": "memory: exponent in N",
     "law_exponent": "N^(d+1) log N: exponent",
+    "largest_temperature_error": "error of T",
+    "temperature_error_estimate": "its estimate",
+    "largest_a2_error": "error of a2",
+    "a2_error_estimate": "its estimate",
     "peak_memory_mb": "peak memory (MB)",
     "cooling_coefficient": "K",
     "a2_linear": "a2 (linear theory)",
     "a2_divided": "a2 (linear, divided by 1 + a2)",
     "a2_exact": "a2 (exact)",
     "a2_error": "error of a2",
-    "a2_error_estimate": "estimated error of a2",
     "tail_exponent": "p of the tail",
     "slope": "d ln T/d ln t",
     "slope_error": "from −2/λ",
@@ -73,7 +76,7 @@ def markdown_table(table: xr.Dataset) -> str:
 
 def _shared_lines(table: xr.Dataset, swept: list[str]) -> bool:
     """Tell whether at least half of the lines would hold more than one method."""
-    if "method" not in swept or "C0" in table or "seconds" in table:
+    if "method" not in swept or {"C0", "seconds", "trust"} & set(table):
         return False
     runs = Counter(_keys(table, [name for name in swept if name != "method"])).values()
     return 2 * sum(count > 1 for count in runs) >= len(runs)
@@ -93,7 +96,7 @@ def _parameter(value: object) -> str:
 
 def _long(table: xr.Dataset, swept: list[str]) -> tuple[list[str], list[list[str]]]:
     """One line a run, all columns."""
-    hidden = ("status", "has_paper", "reason")
+    hidden = ("has_paper", "reason", *(() if "trust" in table else ("status",)))
     names = [str(name) for name in table.data_vars if name not in hidden]
     header = [HEADINGS.get(name, name) for name in swept]
     header += [HEADINGS.get(name, name.replace("_", " ")) for name in names]
@@ -151,19 +154,20 @@ def _across(table: xr.Dataset, swept: list[str], across: str) -> tuple[list[str]
 def _number(table: xr.Dataset, name: str, i: int) -> str:
     """Write a number to the digits that are worth reading."""
     value = table[name].values[i]
-    if table[name].dtype.kind in "biuUO":
-        return "yes" * bool(value) if table[name].dtype.kind == "b" else str(value)
-    if name == table.attrs["quantity"] and np.isnan(value):
-        return Status(int(table["status"].values[i])).name.lower()
+    if name in FLAGS:
+        return flag_word(name, value)
+    if table[name].dtype.kind in "biu":
+        return str(value) if value.dtype.kind != "b" else "yes" * bool(value)
     if np.isnan(value):
-        return ""
+        ended = Status(int(table["status"].values[i])).name.lower()
+        return ended if name == table.attrs["quantity"] else ""
     return format(float(value), table[name].attrs.get("format") or _digits(table, name, value))
 
 
 def _digits(table: xr.Dataset, name: str, value: float) -> str:
     """The format of a column that has none of its own."""
     measure = table.attrs.get("paper_quantity") if name == "paper" else name
-    if str(measure).endswith(("error", "drift")):
+    if str(measure).endswith(("error", "estimate", "drift")):
         return ".3e"
     if name == "ratio":
         return ".3f" if 0.01 <= value < 1000 else ".1e"
@@ -177,7 +181,11 @@ def _legend(table: xr.Dataset) -> list[str]:
     lines = [f"{quantity}: {meaning}."]
     if "paper" in table:
         lines[0] += " An empty cell under paper: the paper prints no number there."
-    if (table["status"] == Status.DIVERGED).any():
+    if "truth" in table.attrs:
+        lines[0] += (
+            f" The same of a2. Truth: {table.attrs['truth']}. A run that diverged is measured up to there."
+        )
+    elif (table["status"] == Status.DIVERGED).any():
         lines[0] += " diverged: the run could not reach the final time."
     if "front" in table:
         lines += ["", *_read_front(table)]

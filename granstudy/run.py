@@ -21,17 +21,25 @@ from granstudy.solver import PARTICLE_FIELDS, TAKES_RTOL, Choice, Solver
 from granstudy.states import check_state, gaussian_scene, state_evaluations
 from granstudy.study_file import (
     Experiment,
+    SceneFields,
     SolverModel,
+    TimeFields,
     TimeModel,
     TimesModel,
     TimingModel,
     ViscoelasticModel,
 )
 from granstudy.time_settings import TimeSettings
+from granstudy.truth import check_maxwell_law
 
 SHARED_WITH_REFERENCE = ("e", "exponent", "epsilon", "N", "R", "N_rho")
 """What a collision run's reference takes over from the run: all but the rule on the sphere."""
 
+SHARED_WITH_TRUTH = ("e", "exponent", "epsilon")
+"""What a run's truth takes over from it: what is modelled."""
+
+DENSITY_FIELDS = ("temperature", "velocity", "separation", "tail")
+"""What a study file can set of a named scene's initial density."""
 
 STAND_IN = {2: (64, 8.0), 3: (32, 8.0)}
 """N and R of estimates where a tolerance chooses them when the run starts."""
@@ -73,6 +81,30 @@ class Run:
         )
         return replace(self, values=shared, is_reference=True)
 
+    @cached_property
+    def truth(self) -> "Run":
+        """The run that this evolution's T and a2 are held against; all runs of one gas share it."""
+        truth = self.model.truth
+        assert truth is not None and truth.solver is not None and self.model.time is not None
+        scene = self.model.scene.model_copy(update=_set(truth.scene))
+        time = self.model.time
+        if truth.time.dt is not None or truth.time.time_rtol is not None:
+            time = time.model_copy(update={"dt": None, "time_rtol": None})
+        time = time.model_copy(update=_set(truth.time))
+        model = self.model.model_copy(
+            update={"scene": scene, "solver": truth.solver, "time": time, "truth": None}
+        )
+        shared = tuple((key, value) for key, value in self.values if key in SHARED_WITH_TRUTH)
+        return Run(self.experiment, model, shared, is_reference=True)
+
+    @property
+    def measured_against(self) -> "list[Run]":
+        """The runs that the study computes for this one's errors."""
+        if self.model.run == "collision":
+            return [self.reference]
+        truth = self.model.truth
+        return [] if truth is None or truth.solver is None else [self.truth]
+
     @property
     def timing(self) -> TimingModel:
         """How a benchmark times the run."""
@@ -92,11 +124,7 @@ class Run:
         model = self.model.scene
         base = load_scene(
             model.name,
-            **{
-                key: value
-                for key, value in (("temperature", model.temperature), ("velocity", model.velocity))
-                if value is not None
-            },
+            **{key: value for key in DENSITY_FIELDS if (value := getattr(model, key)) is not None},
         )
         exponent = self._value("exponent", model.exponent)
         strength = 1.0 / sphere_area(base.dim) if model.strength is None else model.strength
@@ -126,11 +154,11 @@ class Run:
             # So that an experiment can sweep over methods, one of them `dsmc`.
             for field in PARTICLE_FIELDS - swept.keys():
                 settings.pop(field, None)
-        if self.is_reference and self._value("method", None) != "radial":
-            assert self.model.reference is not None
+        reference = self.model.reference
+        if self.is_reference and reference is not None and self._value("method", None) != "radial":
             for own in ("rtol", "precision", "device"):  # of the run's; a reference says its own
                 settings.pop(own, None)
-            settings |= self.model.reference.model_dump(exclude_unset=True)
+            settings |= reference.model_dump(exclude_unset=True)
         chosen = "rtol" in settings and settings.get("method", "fast") in TAKES_RTOL
         for needed in ("N", "R"):
             if needed not in settings and not chosen:
@@ -199,6 +227,7 @@ class Run:
         if self.model.state is not None:
             check_state(self.scene, self.solver, heated=self.model.state == "heated")
         _ = self.evaluations  # t_final must be a whole number of steps
+        self._check_truth()
         if self.solver.method == "dsmc":
             self._check_particles()
             return
@@ -225,6 +254,22 @@ class Run:
         if self.time is not None:
             check_frame(self.scene, solver, self.time)
 
+    def _check_truth(self) -> None:
+        truth = self.model.truth
+        if truth is None or self.is_reference:
+            return
+        if self.solver.method == "dsmc":
+            raise ValueError(
+                "method='dsmc': has no label to hold against a truth; let it be the truth"
+            )
+        if truth.solver is not None:
+            try:
+                self.truth.check()
+            except ValueError as error:
+                raise ValueError(f"truth: {error}") from None
+        else:
+            check_maxwell_law(self.scene)
+
     def _check_particles(self) -> None:
         if self.model.run != "evolution":
             raise ValueError(
@@ -243,6 +288,11 @@ class Run:
             },
             sort_keys=True,
         )
+
+
+def _set(model: SceneFields | TimeFields) -> dict[str, Any]:
+    """The fields that a study file sets."""
+    return {name: getattr(model, name) for name in model.model_fields_set}
 
 
 def _conserved(names: str) -> tuple[str, ...]:

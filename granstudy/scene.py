@@ -17,9 +17,13 @@ from granstudy.initial import (
     DoubleWell3D,
     InitialDensity,
     Maxwellian,
+    PowerLaw,
     ThreeGaussians3D,
+    TwoBeams,
+    UniformBall,
 )
 from granstudy.kernel import VHS, Restitution, check_restitution, maxwell
+from granstudy.stated_moments import StatedMoments
 from granstudy.symmetry import Symmetry
 from granstudy.velocity_space import VelocitySpace
 
@@ -31,6 +35,12 @@ INITIAL_DENSITIES: dict[str, Callable[..., InitialDensity]] = {
     "three_gaussians3d": ThreeGaussians3D,
     "maxwellian2d": partial(Maxwellian, 2),
     "maxwellian3d": partial(Maxwellian, 3),
+    "uniform_ball2d": partial(UniformBall, 2),
+    "uniform_ball3d": partial(UniformBall, 3),
+    "power_law2d": partial(PowerLaw, 2),
+    "power_law3d": partial(PowerLaw, 3),
+    "two_beams2d": partial(TwoBeams, 2),
+    "two_beams3d": partial(TwoBeams, 3),
 }
 
 
@@ -99,6 +109,11 @@ class Scene:
             raise ValueError(f"symmetry={group!r}: has dim {group.dim}, the scene {self.dim}")
         return group
 
+    @property
+    def moments(self) -> StatedMoments | None:
+        """Moments of the initial density in closed form, or None where it does not state them."""
+        return getattr(self.initial, "moments", None)
+
     def density(self, grid: VelocitySpace) -> np.ndarray:
         """Initial density on a grid, shape ``grid.shape``.
 
@@ -153,8 +168,9 @@ def scene_names() -> list[str]:
 def load_scene(name: str, **overrides: Any) -> Scene:
     """Named scene, any field overridden.
 
-    The paper's kernel (Maxwell molecules of unit cross-section) and its ε = 10⁻⁶ are the defaults;
-    a ``maxwellian2d`` or ``maxwellian3d`` also takes ``temperature`` and ``velocity``.
+    The paper's kernel (Maxwell molecules of unit cross-section) and its ε = 10⁻⁶ are the defaults. In 2D
+    and 3D, ``maxwellian`` also takes ``temperature`` and ``velocity``, ``uniform_ball`` a ``temperature``,
+    ``power_law`` a ``temperature`` and its ``tail``, ``two_beams`` their ``temperature`` and ``separation``.
 
     Raises
     ------
@@ -165,7 +181,11 @@ def load_scene(name: str, **overrides: Any) -> Scene:
     fields = {field.name for field in dataclasses.fields(Scene)} - {"dim", "initial"}
     scene_fields = {key: value for key, value in overrides.items() if key in fields}
     own = {key: value for key, value in overrides.items() if key not in fields}
-    allowed = {"temperature", "velocity"} if name.startswith("maxwellian") else set()
+    allowed = (
+        {field.name for field in dataclasses.fields(make.func)} - {"dim"}  # type: ignore[arg-type]
+        if isinstance(make, partial)
+        else set()
+    )
     for key in own:
         if key not in allowed:
             raise unknown_name(f"field of scene {name!r}", key, sorted(fields | allowed))

@@ -9,6 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from granstudy.health import Trust
 from granstudy.look import COLOURS, MARKERS, METHOD_COLOURS, PANEL_HEIGHT, SYMBOLS, WIDTH
 from granstudy.state_table import EXACT_MOMENTS, LINEAR
 
@@ -112,7 +113,7 @@ def _groups(table: xr.Dataset) -> list[tuple[xr.Dataset, dict[str, Any]]]:
 def _states(ax: Axes, part: xr.Dataset, name: str, look: dict[str, Any]) -> None:
     """Line through the computed states, markers filled where they are labelled trusted."""
     part = part.sortby("e")
-    trusted = part["trust"].values == "trusted"
+    trusted = part["trust"].values == Trust.TRUSTED
     ax.plot(part["e"], part[name], markersize=4.5, zorder=2, **look)
     hollow = look | {"linestyle": "none", "markerfacecolor": "white", "markersize": 4.5}
     if not trusted.all():

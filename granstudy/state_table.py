@@ -8,7 +8,6 @@ import xarray as xr
 
 from granstudy import theory
 from granstudy.aggregate import final_values
-from granstudy.health import Trust
 
 if TYPE_CHECKING:  # a table does not depend on the solvers that the study module imports
     from granstudy.run import Run
@@ -47,14 +46,14 @@ def state_table(rows: Sequence[tuple["Run", str]]) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Over ``run``: `a2`, `a3`, `temperature`, `cooling_coefficient`, `a2_error_estimate`; theory by
-        `LONG_NAMES`; the label `trust` as a word. The attribute `state` says which states they are.
+        Over ``run``: `a2`, `a3`, `temperature`, `cooling_coefficient`, `estimated_a2_error`; theory by
+        `LONG_NAMES`; the label `trust`. The attribute `state` says which states they are.
     """
     with final_values([file for _, file in rows]) as final:
         names = ["temperature", "a2", "a3", "cooling_coefficient", "a2_error_estimate", "status"]
         # One thread: netCDF4 has crashed under several.
         table = final[[*names, "trust"]].load(scheduler="synchronous")
-    trust = [Trust(int(value)).name.lower() for value in table["trust"].values]
+    table = table.rename(a2_error_estimate="estimated_a2_error")
     run = rows[0][0]
     state, dim = run.model.state, run.scene.dim
     assert state is not None
@@ -72,8 +71,7 @@ def state_table(rows: Sequence[tuple["Run", str]]) -> xr.Dataset:
             _add(table, "tail_exponent", tails, ".3g")
     for name, digits in (COMPARED | {"a3": ".6f", "cooling_coefficient": ".7g"}).items():
         table[name].attrs["format"] = digits
-    table["a2_error_estimate"].attrs["format"] = ".1e"
-    table["trust"] = ("run", trust, {"long_name": "how far a2 can be trusted", "units": "1"})
+    table["estimated_a2_error"].attrs["format"] = ".1e"
     return table
 
 
@@ -120,7 +118,7 @@ def columns(table: xr.Dataset) -> list[str]:
     names = ["a2", *LONG_NAMES, *(str(name) for name in table if str(name).startswith("a2_"))]
     if table.attrs["state"] == "heated":
         names += [str(name) for name in table if str(name).startswith("temperature")]
-    names += ["a3", "cooling_coefficient", "a2_error_estimate", "trust"]
+    names += ["a3", "cooling_coefficient", "estimated_a2_error", "trust"]
     # the estimate stands beside the label that comes of it
     last = names[-2:]
     return [*dict.fromkeys(n for n in names if n in table and n not in last), *last]

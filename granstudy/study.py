@@ -80,8 +80,7 @@ def _expand(name: str, experiment: Experiment) -> list[Run]:
         for values in itertools.product(*lists):
             run = Run(name, experiment, tuple(zip(keys, values, strict=True)))
             runs.append(run)
-            if experiment.run == "collision":
-                runs.append(run.reference)
+            runs.extend(run.measured_against)
     return runs
 
 

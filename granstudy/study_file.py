@@ -53,19 +53,29 @@ class ViscoelasticModel(_Model):
     viscoelastic: Annotated[float, Field(description="the material constant A")]
 
 
-class SceneModel(_Model):
-    """What is modelled: a named scene, and what of it is set otherwise."""
+class SceneFields(_Model):
+    """What can be set of a named scene."""
 
-    name: Annotated[str, Field(description="bkw2d, bkw3d, double_well2d, double_well3d, ...")]
     restitution: float | ViscoelasticModel | None = None
     exponent: Annotated[float | None, Field(description="λ of the kernel, 0 to 1")] = None
     strength: Annotated[float | None, Field(description="C_λ; default 1/(2π), 1/(4π)")] = None
     epsilon: Annotated[float | None, Field(description="diffusion ε; default 1e-6")] = None
-    temperature: Annotated[float | None, Field(description="of a maxwellian scene")] = None
+    temperature: Annotated[
+        float | None,
+        Field(description="of maxwellian, uniform_ball, power_law; of each of two_beams"),
+    ] = None
     velocity: Annotated[list[float] | None, Field(description="of a maxwellian scene")] = None
+    separation: Annotated[float | None, Field(description="of two_beams")] = None
+    tail: Annotated[float | None, Field(description="s of power_law's |v|^-s, above d + 4")] = None
     symmetry: Annotated[
         str | None, Field(description="none, inversion, ...; default: what the density declares")
     ] = None
+
+
+class SceneModel(SceneFields):
+    """What is modelled: a named scene, and what of it is set otherwise."""
+
+    name: Annotated[str, Field(description="bkw2d, bkw3d, double_well2d, double_well3d, ...")]
 
 
 class SolverModel(_Model):
@@ -109,10 +119,9 @@ class TimesModel(_Model):
         return np.geomspace(self.first, last, max(count, 1)).tolist()
 
 
-class TimeModel(_Model):
-    """How long, in which steps and frame (`granstudy.simulate`)."""
+class TimeFields(_Model):
+    """In which steps and frame a run goes through time (`granstudy.simulate`)."""
 
-    t_final: float
     dt: Annotated[float | None, Field(description="the step, where it is not swept")] = None
     time_rtol: Annotated[
         float | None, Field(description="in place of dt: tolerance of a step's error")
@@ -127,13 +136,44 @@ class TimeModel(_Model):
     ] = None
     conserve: Annotated[
         str | None,
-        Field(
-            description="none, mass, mass-momentum, or at e = 1 mass-momentum-energy; default none"
-        ),
+        Field(description="none, mass, mass-momentum or mass-momentum-energy; default none"),
     ] = None
     save_every: Annotated[
         int | None, Field(description="keep the density every so many outputs")
     ] = None
+
+
+class TimeModel(TimeFields):
+    """The same, and how long."""
+
+    t_final: float
+
+
+class TruthModel(_Model):
+    """What the runs of an evolution are held against: an exact law, or a run that is told to be better."""
+
+    law: Annotated[
+        Literal["maxwell"] | None,
+        Field(description="exact T and a2 of Maxwell molecules, from the density's own moments"),
+    ] = None
+    solver: Annotated[
+        SolverModel | None, Field(description="the whole solver of a run, in place of a law")
+    ] = None
+    scene: Annotated[
+        SceneFields,
+        Field(description="what that run's scene has otherwise; its T and a2 must agree"),
+    ] = SceneFields()
+    time: Annotated[TimeFields, Field(description="what that run's time has otherwise")] = (
+        TimeFields()
+    )
+
+    @model_validator(mode="after")
+    def _law_or_run(self) -> "TruthModel":
+        if (self.law is None) == (self.solver is None):
+            raise ValueError("law, solver: give one, an exact law or the solver of a run")
+        if self.law is not None and (self.scene.model_fields_set or self.time.model_fields_set):
+            raise ValueError("law: takes no scene and no time")
+        return self
 
 
 class TimingModel(_Model):
@@ -191,9 +231,9 @@ class FitModel(_Model):
 
 
 class FigureModel(_Model):
-    """What is drawn: a quantity against a swept parameter, temperature against time, or a front."""
+    """What is drawn: a quantity against a swept parameter or time, a front, or runs beside the truth."""
 
-    kind: Literal["convergence", "cooling", "speed", "front", "slope", "states"]
+    kind: Literal["convergence", "cooling", "speed", "front", "slope", "states", "gallery"]
     x: Annotated[str | None, Field(description="the parameter on the abscissa")] = None
     title: Annotated[str | None, Field(description="default: the experiment's")] = None
     beside: Annotated[
@@ -220,6 +260,10 @@ class Experiment(_Model):
             "benchmarks may have it"
         ),
     ] = None
+    truth: Annotated[
+        TruthModel | None,
+        Field(description="what T and a2 of an evolution's runs are held against"),
+    ] = None
     timing: TimingModel | None = None
     threads: Annotated[int, Field(ge=1, description="cores a run takes")] = 1
     sweep: Annotated[
@@ -240,12 +284,20 @@ class Experiment(_Model):
             raise ValueError(
                 "reference: collision runs need it, evolution and state runs do not take it"
             )
+        if self.truth is not None and self.run != "evolution":
+            raise ValueError("truth: only evolution runs take it")
+        if self.figure is not None and self.figure.kind == "gallery" and self.truth is None:
+            raise ValueError("figure.kind: a gallery shows runs beside their truth; give one")
         if self.timing is not None and self.run != "benchmark":
             raise ValueError("timing: only benchmarks take it")
         if self.table is not None and self.table.beside and self.run != "state":
             raise ValueError("table.beside: only state runs take it")
         if self.table is not None and self.table.average and self.run != "evolution":
             raise ValueError("table.average: only evolution runs take it")
+        return self
+
+    @model_validator(mode="after")
+    def _sweeps_parameters(self) -> "Experiment":
         keys = [tuple(k for k in SWEPT if k in block) for block in self.sweep]
         for block in self.sweep:
             for key in block:
@@ -261,11 +313,35 @@ class Experiment(_Model):
         return self
 
 
+class MapModel(_Model):
+    """A table and a figure of all experiments that have a truth: errors and labels."""
+
+    title: str
+
+
+MAP = "map"
+"""What the files of a study's map are called; no experiment can have that name."""
+
+
 class StudyFile(_Model):
     """A study: titled experiments, each swept over its parameters."""
 
     title: str
     experiments: Annotated[dict[str, Experiment], Field(min_length=1)]
+    map: MapModel | None = None
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> "StudyFile":
+        if MAP in self.experiments:
+            raise ValueError(f"experiments.{MAP}: is the name of the map's files; take another")
+        if self.map is not None and not self.with_truth:
+            raise ValueError("map: shows experiments with a truth, and there is none")
+        return self
+
+    @property
+    def with_truth(self) -> list[str]:
+        """Names of the experiments whose runs are held against a truth."""
+        return [name for name, model in self.experiments.items() if model.truth is not None]
 
 
 def read_study_file(path: str | Path) -> StudyFile:
@@ -317,6 +393,8 @@ def _known_fields(location: tuple[Any, ...]) -> list[str]:
     if len(location) == 1:
         return list(StudyFile.model_fields)
     parts: dict[str, type[BaseModel]] = {
+        "map": MapModel,
+        "truth": TruthModel,
         "scene": SceneModel,
         "solver": SolverModel,
         "time": TimeModel,

@@ -14,7 +14,7 @@ import xarray as xr
 
 from granstudy import theory
 from granstudy.aggregate import final_values, open_runs
-from granstudy.dataset import CONVENTIONS, Status, read_dataset, write_dataset
+from granstudy.dataset import CONVENTIONS, FLAGS, Status, flag_word, read_dataset, write_dataset
 from granstudy.errors import unknown_name
 from granstudy.fits import fit_haff, fit_order, growth_exponent, local_slope
 from granstudy.front import families
@@ -22,11 +22,12 @@ from granstudy.markdown import markdown_table
 from granstudy.particles.averages import time_average
 from granstudy.printed import match_printed, printed_quantity
 from granstudy.state_table import columns, state_table, with_beside
+from granstudy.truth_table import COLUMNS, truth_table
 from granstudy.whole_file import write_whole
 
 if TYPE_CHECKING:  # a table does not depend on the solvers that the study module imports
     from granstudy.run import Run
-    from granstudy.study_file import AverageModel, Experiment, TableModel
+    from granstudy.study_file import AverageModel, Experiment, FitModel, TableModel
 
 DEFAULT_QUANTITY = {
     "evolution": "temperature",
@@ -72,6 +73,7 @@ def experiment_table(
     ValueError
         For a quantity, fit or printed table that the runs do not fit.
     """
+    rows: Rows = []
     if experiment.run == "benchmark":
         table = _benchmark(files)
     else:
@@ -80,26 +82,25 @@ def experiment_table(
             if not file.endswith(f"{path}.nc"):
                 raise ValueError(f"{file}: is not the file of run {path}")
         rows = [(run, file) for _, run, file in paths if not run.is_reference]
-        if experiment.run == "evolution":
+        by_path = {path: file for path, _, file in paths}
+        if experiment.truth is not None:
+            table = _with_swept(truth_table(rows, by_path), rows)
+        elif experiment.run == "evolution":
             table = _evolution(rows, experiment.table)
         elif experiment.run == "state":
             table = _with_swept(state_table(rows), rows)
             names = experiment.table.beside if experiment.table else []
             table = with_beside(table, dict(zip(names, beside, strict=True)))
         else:
-            table = _collision(rows, {path: file for path, _, file in paths})
+            table = _collision(rows, by_path)
     asked = experiment.table
     quantity = asked.quantity if asked else DEFAULT_QUANTITY[experiment.run]
     numbers = [str(name) for name, v in table.data_vars.items() if v.dtype.kind == "f"]
     if quantity not in numbers:
         raise unknown_name("quantity", quantity, numbers)
     table.attrs["quantity"] = quantity
-    if experiment.fit is not None and experiment.fit.law == "order":
-        table = _with_order(table, quantity, experiment.fit.x)
-    elif experiment.fit is not None and experiment.fit.law == "growth":
-        table = _with_growth(table)
-    elif experiment.fit is not None:
-        table = {"slope": _with_slope, "haff": _with_haff}[experiment.fit.law](table, rows)
+    if experiment.fit is not None:
+        table = _with_fit(table, experiment.fit, rows)
     if asked and asked.paper:
         table = _with_paper(table, asked.paper, printed_quantity(asked.paper, quantity))
     return _finish(table, experiment)
@@ -128,8 +129,8 @@ def csv_table(table: xr.Dataset) -> str:
 
 
 def _cell(name: str, value: xr.DataArray) -> str:
-    if name == "status":
-        return Status(value.item()).name.lower()
+    if name in FLAGS:
+        return flag_word(name, value)
     if value.dtype.kind == "f":
         return "" if np.isnan(value) else f"{value.item():.10g}"
     return str(value.item())
@@ -196,6 +197,14 @@ def _with_swept(table: xr.Dataset, rows: Rows) -> xr.Dataset:
     )
     table.attrs["swept"] = " ".join(swept)
     return table
+
+
+def _with_fit(table: xr.Dataset, fit: "FitModel", rows: Rows) -> xr.Dataset:
+    if fit.law == "order":
+        return _with_order(table, table.attrs["quantity"], fit.x)
+    if fit.law == "growth":
+        return _with_growth(table)
+    return {"slope": _with_slope, "haff": _with_haff}[fit.law](table, rows)
 
 
 def _with_order(table: xr.Dataset, quantity: str, x: str | None) -> xr.Dataset:
@@ -353,8 +362,10 @@ def _finish(table: xr.Dataset, experiment: "Experiment") -> xr.Dataset:
         "collision": ["relative_error"],
         "benchmark": [str(name) for name in table.data_vars],
     }[experiment.run]
+    if experiment.truth is not None:
+        beside = list(COLUMNS)
     names = [name for name in (*first, *beside, "status") if name in table]
-    kept = ("swept", "quantity", "refined", "paper_quantity", "dim", "state", "beside")
+    kept = ("swept", "quantity", "refined", "paper_quantity", "dim", "state", "beside", "truth")
     attributes = {key: table.attrs[key] for key in kept if key in table.attrs}
     table = table[[*dict.fromkeys(name for name in names if name != "status"), "status"]]
     table.attrs = {

@@ -1,13 +1,15 @@
 """The cache: computed once, whole or not at all, damage noticed, many runs at a time."""
 
+import os
 import subprocess
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
-from granstudy.array_cache import cache_folder, cached_array
+from granstudy.array_cache import ABANDONED, cache_folder, cached_array
 
 ARRAY = np.arange(3000.0).reshape(60, 50)
 
@@ -59,6 +61,18 @@ def test_a_computation_that_fails_leaves_nothing(folder):
     with pytest.raises(AssertionError):
         cached_array("a", never)
     assert not folder.exists()
+
+
+def test_what_killed_processes_left_is_removed_but_not_what_others_write(folder):
+    folder.mkdir()
+    for name, age in (
+        (".partial-old.npy", 1.01 * ABANDONED),
+        (".partial-new.npy", 0.99 * ABANDONED),
+    ):
+        (folder / name).write_bytes(b"half")
+        os.utime(folder / name, (time.time() - age,) * 2)
+    cached_array("a", lambda: ARRAY)
+    assert files(folder) == [".partial-new.npy", "a.npy.sha256"]
 
 
 def test_readers_beside_writers_see_whole_files_only(folder):

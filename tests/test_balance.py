@@ -6,7 +6,7 @@ from comparison import asymmetric_scene
 
 import granstudy as gs
 from granstudy import theory
-from granstudy.balance import CollisionRates
+from granstudy.balance import CollisionRates, RatesAt
 
 
 def maxwellian(dim, exponent, restitution, temperature=1.0):
@@ -91,3 +91,29 @@ def test_they_see_what_a_truncation_leaves_out():
     f = scene.density(operator.grid)
     energy = operator.grid.velocity_moments(operator(f)).energy
     assert CollisionRates(scene, operator.grid)(f).energy < 1.05 * energy < 0.0
+
+
+def test_weights_are_kept_until_another_restitution_asks_for_its_own():
+    scene = maxwellian(2, 1.0, 0.3)
+    grid = gs.RadialGrid(2, 16, 9.0)
+    f = scene.density(grid)
+    rates = RatesAt(scene, grid)
+    first, other = rates(0.3), rates(0.8)
+    assert other is rates(0.8) and first(f) == CollisionRates(scene, grid)(f)
+    assert other(f) == CollisionRates(maxwellian(2, 1.0, 0.8), grid)(f) != first(f)
+
+
+@pytest.mark.parametrize("restitution", [0.5, gs.Viscoelastic(0.1)], ids=str)
+def test_a_run_that_keeps_energy_computes_them_once(monkeypatch, restitution):
+    made = []
+
+    class Counted(CollisionRates):
+        def __init__(self, *given):
+            made.append(given)
+            super().__init__(*given)
+
+    monkeypatch.setattr("granstudy.balance.CollisionRates", Counted)
+    solver = gs.Solver(N=16, R=8.0, N_rho=4, M_cir=4)
+    scene = gs.load_scene("bkw2d", restitution=restitution)
+    gs.simulate(scene, solver, t_final=0.2, dt=0.1, conserve=("mass", "energy"), progress=False)
+    assert len(made) == 1

@@ -8,6 +8,7 @@ import pytest
 import granstudy as gs
 from granstudy import health
 from granstudy.health import Trust, verdict
+from granstudy.truth import errors, maxwell_truth
 
 LAWS = {
     "hard spheres": {"kernel": gs.hard_spheres(3), "restitution": 0.2, "diffusion": 0.0},
@@ -67,6 +68,45 @@ def test_labels_and_estimates_are_right(law, N, R, settings):
     )
     assert T_error < 3 * T_estimate + 1e-6
     assert a2_error < 3 * a2_estimate + 1e-5
+
+
+def power_law(N, R):
+    scene = gs.load_scene("power_law3d", tail=10.0, restitution=0.8, diffusion=0.0)
+    solver = gs.Solver(N=N, R=R, method="radial")
+    return gs.simulate(scene, solver, t_final=2.0, time_rtol=1e-7, times=[1.0], progress=False)
+
+
+@pytest.mark.parametrize(("N", "R"), [(32, 10.0), (48, 20.0)])
+def test_what_the_grid_leaves_out_of_the_initial_density_is_estimated(N, R):
+    ds = power_law(N, R)
+    scene = gs.load_scene("power_law3d", tail=10.0, restitution=0.8, diffusion=0.0)
+    exact = maxwell_truth(scene, ds["time"].values)
+    T_error, a2_error = errors(ds, exact)
+    assert T_error < 3 * float(ds["temperature_error_estimate"].max())
+    assert a2_error < 3 * float(ds["a2_error_estimate"].max())
+    # the tail is small at the border, so that nothing else shows what lies beyond it
+    assert float(ds["edge"].max()) < 1e-4
+    if R == 10.0:
+        assert a2_error > 1e-2
+        assert Trust(int(ds["trust"])) is not Trust.TRUSTED
+        assert "a2 may be off" in ds["trust"].attrs["reasons"]
+
+
+def test_a_density_that_states_nothing_is_taken_as_the_grid_has_it():
+    named = gs.load_scene("bkw3d", **LAWS["Maxwell"])
+
+    def density(*v):
+        return named.initial(*v)
+
+    plain = gs.Scene(3, density, named.kernel, 0.8)
+    solver = gs.Solver(N=8, R=7.0, method="radial")
+    first = [
+        float(gs.simulate(scene, solver, t_final=0.1, dt=0.1, progress=False)[name][0])
+        for scene in (named, plain)
+        for name in ("temperature_error_estimate", "temperature")
+    ]
+    assert first[0] == pytest.approx(abs(first[1] - 1.0)) and first[0] > 1e-3
+    assert first[2] == 0.0
 
 
 def test_every_label_is_given():

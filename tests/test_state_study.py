@@ -12,6 +12,7 @@ from granstudy import theory
 from granstudy.execute import execute
 from granstudy.figures import draw
 from granstudy.fingerprint import run_fingerprint
+from granstudy.health import Trust
 from granstudy.jobs import run_key
 from granstudy.markdown import markdown_table
 from granstudy.plan_table import study_forecasts
@@ -105,7 +106,7 @@ def test_a_run_is_the_state_that_python_finds(tables):
     for name in ("a2", "a3", "cooling_coefficient"):
         assert float(found["cooling"][name][1]) == float(state[name])
     assert gs.read_dataset(files["cooling"][1]).attrs["title"] == "granstudy cooling state"
-    assert found["cooling"]["trust"].values[1] == "trusted"
+    assert found["cooling"]["trust"].values[1] == Trust.TRUSTED
     # opened together, as any runs
     last = gs.unstack_runs(gs.final_values(files["cooling"]))
     assert float(last["a2"].sel(e=0.8)) == float(state["a2"])
@@ -171,7 +172,7 @@ def test_a_figure_shows_table_and_theory(tables):
     coarse = next(line for line in lower.lines if line.get_label() == "$N$ = 14, $R$ = 8")
     np.testing.assert_array_equal(coarse.get_ydata(), found["maxwell"]["a2_error"][:2])
     untrusted = [line for line in upper.lines if line.get_label() == NOT_TRUSTED]
-    assert bool(untrusted) == bool(np.any(found["maxwell"]["trust"] != "trusted"))
+    assert bool(untrusted) == bool(np.any(found["maxwell"]["trust"] != Trust.TRUSTED))
 
 
 def test_a_figure_needs_states(tables):

@@ -77,9 +77,7 @@ class CarlemanOperator:
         f = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
         f_hat = self._single.forward(f)
         f_hat /= f.size
-        list(
-            self._workers.map(lambda share, work: self._sum_share(f_hat, share, work), self._shares)
-        )
+        self._workers.map(lambda share, work: self._sum_share(f_hat, share, work), self._shares)
         Q = self._gains.sum(axis=0)
         filter_modes(
             f_hat, self._loss[None], NEITHER, 1, self._counts, self._starts, self._single.spectrum
@@ -93,7 +91,7 @@ class CarlemanOperator:
     ) -> None:
         """The gain's sum over one share of the products."""
         index, (start, stop) = share
-        gain = self._gains[index]
+        gain = self._gains[index].reshape(-1, self.grid.N)
         gain[...] = 0.0
         for first in range(start, stop, self._batch):
             last = min(first + self._batch, stop)
@@ -112,7 +110,7 @@ class CarlemanOperator:
                     transforms.spectrum,
                 )
                 transforms.execute_backward()
-            add_products(work.of_l.density, work.of_m.density, last - first, gain)
+            add_products(work.of_l.rows, work.of_m.rows, last - first, gain)
 
     def transform(self) -> None:
         """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
@@ -124,7 +122,9 @@ class CarlemanOperator:
             work.of_l.spectrum[...] = 0.0
             work.of_m.spectrum[...] = 0.0
 
-        list(self._workers.map(transform_share, self._shares))
+        self._single.execute_forward()
+        self._workers.map(transform_share, self._shares)
+        self._single.execute_backward()
 
 
 def ball_modes(grid: VelocityGrid) -> tuple[np.ndarray, np.ndarray]:
@@ -211,13 +211,12 @@ def filter_modes(f_hat, weights, odd, turn, counts, starts, out):
 
 @numba.njit(nogil=True, cache=True, fastmath={"contract"})
 def add_products(first, second, count, total):
-    """Add first[b]·second[b], b < count, to total; rows are padded, as an in-place transform leaves them."""
-    nx, ny, nz = total.shape
+    """Add first[b]·second[b], b < count, to total (n n', n); rows are padded by in-place transforms."""
+    rows, n = total.shape
     for b in range(count):
-        for i in range(nx):
-            for j in range(ny):
-                for k in range(nz):
-                    total[i, j, k] += first[b, i, j, k] * second[b, i, j, k]
+        for j in range(rows):
+            for k in range(n):
+                total[j, k] += first[b, j, k] * second[b, j, k]
 
 
 class _Workspace:

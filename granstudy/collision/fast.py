@@ -53,6 +53,7 @@ class NodalOperator:
         self._loss = loss
         self._shape = (grid.N, grid.N if grid.dim == 3 else 1, grid.N)
         self._single = RealTransforms(1, self._shape)
+        self._lost = RealTransforms(1, self._shape)
         self._inner = self._single if gain.grid == grid else RealTransforms(1, gain.shape)
         self.transforms = gain.transforms + serial_transforms(grid.N, gain.grid.N)
 
@@ -67,8 +68,10 @@ class NodalOperator:
         if self.gain.grid.N > self.grid.N:
             Q = self._single.backward(self._padded_spectrum(f_hat))
         else:
-            Q = self._single.backward(self._gain_spectrum(f, f_hat))
-            Q -= self._loss_part(f, f_hat)
+            Q = self._loss_part(f, f_hat)
+            self._single.spectrum[0] = self._gain_spectrum(f, f_hat)
+            self._single.execute_backward()
+            np.subtract(self._single.density[0], Q, out=Q)
         # The loss has the symmetry already; with it, round-off that has not stays as small as it is.
         return self.group.symmetrise(Q.reshape(self.grid.shape))
 
@@ -79,12 +82,14 @@ class NodalOperator:
 
     def _spectrum(self, f: np.ndarray) -> np.ndarray:
         """f̂ with Σ_k f̂_k e^{iπk·v/L} = f."""
-        f_hat = self._single.forward(f)
-        f_hat *= 1.0 / f.size
-        return f_hat
+        self._single.density[0] = f
+        self._single.execute_forward()
+        return np.asarray(self._single.spectrum[0] * (1.0 / f.size))
 
     def _loss_part(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
-        return f * self._single.backward(self._loss * f_hat)
+        np.multiply(self._loss, f_hat, out=self._lost.spectrum[0])
+        self._lost.execute_backward()
+        return f * self._lost.density[0]
 
     def _gain_spectrum(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
         n = self.gain.grid.N
@@ -103,7 +108,17 @@ class NodalOperator:
 
     def transform(self) -> None:
         """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
+        self._single.execute_forward()
         self.gain.transform()
+        self._single.execute_backward()
+        if self.gain.grid.N > self.grid.N:
+            self._inner.execute_backward()
+            self._inner.execute_backward()
+            self._inner.execute_forward()
+            return
+        self._lost.execute_backward()
+        if self.gain.grid.N < self.grid.N:
+            self._inner.execute_backward()
 
 
 def gain_sum(scene: Scene, solver: Solver, grid: VelocityGrid, nodes: Nodes) -> GainSum:

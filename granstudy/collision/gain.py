@@ -91,8 +91,9 @@ class GainSum:
         self._ends = np.zeros(len(nodes), dtype=bool)
         self._ends[nodes.ends[: len(nodes)] - 1] = True
         self._ends[[stop - 1 for _, stop in self.shares]] = True
+        self._starts = np.roll(self._ends, 1)
         k2, place = np.unique(grid.wavenumber_squared(half=True), return_inverse=True)
-        self._place = place.reshape(grid.N, -1).astype(np.int32)
+        self._place = place.reshape(grid.N, -1).astype(np.uint32)
         self._accumulate = self._choose_weight(scene, k2)
         self._workers = Workers(
             min(threads, max(1, len(self.shares))),
@@ -104,7 +105,7 @@ class GainSum:
 
         ``f`` has shape (n, n', n); ``f_hat`` is its half spectrum, Σ_k f̂_k e^{iπk·v/L} = f.
         """
-        f = np.asarray(f, dtype=self.real)
+        f_rows = np.ascontiguousarray(f, dtype=self.real).reshape(-1, self.grid.N)
         f_re, f_im = (
             np.ascontiguousarray(part, dtype=self.real).reshape(self.grid.N, -1)
             for part in (f_hat.real, f_hat.imag)
@@ -120,11 +121,11 @@ class GainSum:
                 part = slice(first, min(first + self._batch, stop))
                 kernels.shift(f_re, f_im, self._displacements[part], transforms.parts)
                 transforms.execute_backward()
-                kernels.multiply(transforms.density, f)
+                kernels.multiply(transforms.rows, f_rows)
                 transforms.execute_forward()
                 self._accumulate(work, part, gain)
 
-        list(self._workers.map(sum_share, list(zip(self.shares, views, strict=True))))
+        self._workers.map(sum_share, list(zip(self.shares, views, strict=True)))
         return gains
 
     def total(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
@@ -143,7 +144,7 @@ class GainSum:
                 work.transforms.execute_forward()
             work.transforms.spectrum[...] = 0.0
 
-        list(self._workers.map(transform_share, self.shares))
+        self._workers.map(transform_share, self.shares)
 
     def _choose_weight(
         self, scene: Scene, k2: np.ndarray
@@ -166,6 +167,7 @@ class GainSum:
             self.nodes.vectors[part],
             self._weights[part],
             self.nodes.shells[part],
+            self._starts[part],
             self._ends[part],
             beta,
             means,

@@ -75,28 +75,27 @@ def shift(f_re, f_im, displacements, out):
 
 @_compile
 def multiply(densities, f):
-    """densities[b] *= f for a batch whose rows are padded, as an in-place transform leaves them."""
-    count, nx, ny, nz = densities.shape
-    for b in range(count):
-        for i in range(nx):
-            for j in range(ny):
-                for k in range(nz):
-                    densities[b, i, j, k] *= f[i, j, k]
+    """densities[b] *= f, rows (n n', n), for a batch whose rows are padded by an in-place transform."""
+    rows, n = f.shape
+    for b in range(densities.shape[0]):
+        for j in range(rows):
+            for k in range(n):
+                densities[b, j, k] *= f[j, k]
 
 
 @_compile
 def accumulate_pairs(
-    products, displacements, weights, shells, ends, beta, means, place, sum_re, sum_im, gain
+    products, displacements, weights, shells, starts, ends, beta, means, place, sum_re, sum_im, gain
 ):
     """Sum a batch of antipodal pairs ±g for constant e; where a shell ``ends``, add it to ``gain``.
 
     sum += weight · e^{i½k·g} · 2cos(βk·g) · products, where products is the transform of f(v) f(v−g).
-    The cosine times the half-shift is e^{i(½+β)k·g} + e^{i(½−β)k·g}, two outer products. At the end of
-    a shell gain += means[shell, |k|²] · sum, and the sum starts again.
+    The cosine times the half-shift is e^{i(½+β)k·g} + e^{i(½−β)k·g}, two outer products. The sum is from 0
+    where a shell ``starts``; at its end gain += means[shell, |k|²] · sum.
 
     ``products`` (≥B, n, 2m), as `shift`'s output; ``displacements`` g (B, 3) in units L/π; ``weights``,
-    ``shells``, ``ends`` (B,); ``means`` (shells, distinct |k|²); ``place`` (n, m) of each mode's |k|² in
-    them; ``sum_re``, ``sum_im`` (n, m); ``gain`` (n, 2m).
+    ``shells``, ``starts``, ``ends`` (B,); ``means`` (shells, distinct |k|²); ``place`` (n, m) of each
+    mode's |k|² in them; ``sum_re``, ``sum_im`` (n, m); ``gain`` (n, 2m).
     """
     n, m = sum_re.shape
     ny = m // (n // 2 + 1)
@@ -108,23 +107,26 @@ def accumulate_pairs(
             gx, gy, gz = displacements[b]
             phase_vector(factor * gx, n, xr[s], xi[s])
             phase_plane(factor * gy, factor * gz, weights[b], n, ny, pr[s], pi[s])
+        starting, ending, mean = starts[b], ends[b], means[shells[b]]
         for i in range(n):
+            # Of a shell with one node no sum is kept: one row does, and stays in the cache.
+            r = 0 if starting and ending else i
+            if starting:
+                for q in range(m):
+                    sum_re[r, q] = 0.0
+                    sum_im[r, q] = 0.0
             c0, s0, c1, s1 = xr[0, i], xi[0, i], xr[1, i], xi[1, i]
             for q in range(m):
                 weight_re = c0 * pr[0, q] - s0 * pi[0, q] + c1 * pr[1, q] - s1 * pi[1, q]
                 weight_im = c0 * pi[0, q] + s0 * pr[0, q] + c1 * pi[1, q] + s1 * pr[1, q]
                 re, im = products[b, i, 2 * q], products[b, i, 2 * q + 1]
-                sum_re[i, q] += weight_re * re - weight_im * im
-                sum_im[i, q] += weight_re * im + weight_im * re
-        if ends[b]:
-            mean = means[shells[b]]
-            for i in range(n):
+                sum_re[r, q] += weight_re * re - weight_im * im
+                sum_im[r, q] += weight_re * im + weight_im * re
+            if ending:
                 for q in range(m):
                     value = mean[place[i, q]]
-                    gain[i, 2 * q] += value * sum_re[i, q]
-                    gain[i, 2 * q + 1] += value * sum_im[i, q]
-                    sum_re[i, q] = 0.0
-                    sum_im[i, q] = 0.0
+                    gain[i, 2 * q] += value * sum_re[r, q]
+                    gain[i, 2 * q + 1] += value * sum_im[r, q]
 
 
 @_compile

@@ -87,7 +87,7 @@ class LiteralOperator:
         parts = self.workers.map(
             lambda share, work: self._sum_nodes(f, f_hat, share, work), self.shares
         )
-        Q_hat = np.sum(list(parts), axis=0) / f.size
+        Q_hat = np.sum(parts, axis=0) / f.size
         if self.loss is not None:
             Q_hat -= np.fft.fftn(f * np.fft.ifftn(self.loss * f_hat))
         return Q_hat
@@ -102,7 +102,7 @@ class LiteralOperator:
             work.density[...] = 0.0
             work.spectrum[...] = 0.0
 
-        list(self.workers.map(transform_share, self.shares))
+        self.workers.map(transform_share, self.shares)
 
     def _sum_nodes(
         self, f: np.ndarray, f_hat: np.ndarray, share: list[slice], work: "_Workspace"

@@ -1,5 +1,7 @@
 """Spectra on grids of another size, and their modes that aliasing does not reach."""
 
+import itertools
+
 import numpy as np
 
 KEPT = 3 / 8
@@ -21,9 +23,10 @@ def resize(f_hat: np.ndarray, n: int) -> np.ndarray:
     k = np.concatenate([np.arange(half), np.arange(-half + 1, 0)])
     turn = np.exp(1j * np.pi * k * (1 / n - 1 / N))
     out = np.zeros((n, n if ny > 1 else 1, n // 2 + 1), dtype=np.complex128)
-    y = k if ny > 1 else np.zeros(1, dtype=int)
-    kept = f_hat[np.ix_(k, y, k[:half])] * turn[:, None, None] * turn[:half]
-    out[np.ix_(k, y, k[:half])] = kept * turn[:, None] if ny > 1 else kept
+    signs = slice(half), slice(1 - half, None)
+    for x, y in itertools.product(signs, signs if ny > 1 else [slice(1)]):
+        turns = turn[x, None, None] * turn[:half] * (turn[y, None] if ny > 1 else 1.0)
+        np.multiply(f_hat[x, y, :half], turns, out=out[x, y, :half])
     return out
 
 

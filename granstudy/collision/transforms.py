@@ -30,6 +30,8 @@ class RealTransforms:
         The same memory, real and imaginary parts in turn, all axes but the first as one.
     density : real ndarray, shape (batch, n, n', n)
         The same memory, rows padded.
+    rows : real ndarray, shape (batch, n n', 2 (n/2+1))
+        The same memory, all rows with their padding.
     """
 
     def __init__(self, batch: int, shape: tuple[int, int, int], precision: str = "double") -> None:
@@ -39,6 +41,7 @@ class RealTransforms:
         self.spectrum = pyfftw.zeros_aligned((batch, nx, ny, nz // 2 + 1), dtype=complex_)
         self.parts = self.spectrum.view(real).reshape(batch, nx, -1)
         self.density = self.spectrum.view(real)[..., :nz]
+        self.rows = self.parts.reshape(batch, nx * ny, -1)
         axes = (1, 2, 3) if ny > 1 else (1, 3)
         # FFTW_ESTIMATE: the other planners give different bits from process to process, and gain
         # little.

@@ -1,9 +1,8 @@
-"""Threads that each borrow a workspace: a sum over nodes whose result knows no thread count."""
+"""Threads that each have a workspace: a sum over nodes whose result knows no thread count."""
 
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextvars import copy_context
-from queue import SimpleQueue
 from typing import Generic, TypeVar
 
 Workspace = TypeVar("Workspace")
@@ -16,27 +15,32 @@ results do not depend on it."""
 
 
 class Workers(Generic[Workspace]):
-    """A pool of threads and one workspace (buffers, planned transforms) for each."""
+    """The caller's thread and a pool of others, with a workspace (buffers, planned transforms) for each."""
 
     def __init__(self, threads: int, make_workspace: Callable[[], Workspace]) -> None:
-        threads = min(threads, SHARES)
-        self._workspaces: SimpleQueue[Workspace] = SimpleQueue()
-        for _ in range(threads):
-            self._workspaces.put(make_workspace())
-        self._pool = ThreadPoolExecutor(threads)
+        self._workspaces = [make_workspace() for _ in range(min(threads, SHARES))]
+        self._pool = ThreadPoolExecutor(max(1, len(self._workspaces) - 1))
 
     def map(
         self, work: Callable[[Share, Workspace], Result], shares: Sequence[Share]
-    ) -> Iterator[Result]:
-        """``work(share, workspace)`` of every share, in their order."""
+    ) -> list[Result]:
+        """``work(share, workspace)`` of every share, in their order; whoever is free takes the next."""
+        waiting = iter(enumerate(shares))
+        results: dict[int, Result] = {}
 
-        def borrow(share: Share) -> Result:
-            workspace = self._workspaces.get()
-            try:
-                return work(share, workspace)
-            finally:
-                self._workspaces.put(workspace)
+        def take_shares(workspace: Workspace) -> None:
+            for index, share in waiting:
+                results[index] = work(share, workspace)
 
         # Each in a copy of the caller's context, which says what NumPy does about overflow.
-        contexts = [copy_context() for _ in shares]
-        return self._pool.map(lambda context, share: context.run(borrow, share), contexts, shares)
+        others = [
+            self._pool.submit(copy_context().run, take_shares, workspace)
+            for workspace in self._workspaces[1 : len(shares)]
+        ]
+        try:
+            take_shares(self._workspaces[0])
+        finally:
+            wait(others)
+        for other in others:
+            other.result()
+        return [results[index] for index in range(len(shares))]

@@ -1,5 +1,6 @@
 """The fast operator against the direct one, and what holds exactly."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -18,6 +19,7 @@ from scipy.signal import fftconvolve
 
 import granstudy as gs
 from granstudy.collision import transforms
+from granstudy.collision.fast import fast_operator, gain_sum
 from granstudy.symmetry import apply
 
 CONVERGED = {2: {"M_cir": 64, "N_rho": 24}, 3: {"M_sph": 302, "N_rho": 20}}
@@ -194,11 +196,41 @@ class CountingFFTW:
 fast_FFTW = transforms.pyfftw.FFTW
 
 
-@pytest.mark.parametrize(("dim", "pairs"), [(2, 15), (3, 16)])
-def test_transforms_of_one_evaluation(monkeypatch, dim, pairs):
+@pytest.fixture
+def counted(monkeypatch):
+    """Plans count what they make, one at a time: no batch is padded."""
     counting = SimpleNamespace(FFTW=CountingFFTW, zeros_aligned=transforms.pyfftw.zeros_aligned)
     monkeypatch.setattr(transforms, "pyfftw", counting)
-    # 8 shells: the eight shares take as many nodes each, and no batch is padded
+    monkeypatch.setattr(transforms, "BATCH_BYTES", 1)
+
+
+def on_points(n):
+    """The maker of a sum with its products on n points a dimension."""
+    return lambda scene, solver, grid, nodes: gain_sum(
+        scene, solver, gs.VelocityGrid(grid.dim, n, grid.R), nodes
+    )
+
+
+@pytest.mark.usefixtures("counted")
+@pytest.mark.parametrize("n", [6, 8, 12, None])
+def test_the_bare_transforms_are_those_of_one_evaluation(monkeypatch, n):
+    """With products on fewer, as many and more points, and by `carleman`."""
+    scene = asymmetric_scene(2, restitution=1.0)
+    solver = gs.Solver(N=8, R=5.0, N_rho=3, M_cir=10)
+    if n is None:
+        operator = gs.collision_operator(scene, replace(solver, method="carleman"))
+    else:
+        operator = fast_operator(scene, solver, on_points(n))
+    f = scene.density(operator.grid)
+    for make in (lambda: operator(f), operator.transform):
+        monkeypatch.setattr(CountingFFTW, "made", 0)
+        make()
+        assert CountingFFTW.made == operator.transforms
+
+
+@pytest.mark.usefixtures("counted")
+@pytest.mark.parametrize(("dim", "pairs"), [(2, 15), (3, 16)])
+def test_transforms_of_one_evaluation(monkeypatch, dim, pairs):
     solver = gs.Solver(N=8, R=5.0, N_rho=8, M_cir=30, M_sph=32)
     operator = gs.collision_operator(asymmetric_scene(dim), solver)
     monkeypatch.setattr(CountingFFTW, "made", 0)

@@ -7,6 +7,7 @@ from snakemake.exceptions import WorkflowError
 from granstudy.fingerprint import fingerprint, run_fingerprint
 from granstudy.jobs import jobs
 from granstudy.study import load_study
+from granstudy.study_file import MAP
 
 STUDY_FILE = config.get("study", "workflow/config/paper.yaml")
 
@@ -27,8 +28,9 @@ JOBS = [
 ]
 
 
+# The map's files lie beside those of experiments, none of which has its name.
 wildcard_constraints:
-    experiment="[^/]+",
+    experiment=rf"(?!{MAP}\.)[^/]+",
 
 
 def run_files(experiment):
@@ -90,6 +92,15 @@ def figures():
         f"{RESULTS}/figures/{{name}}.{{format}}",
         name=experiments_with("figure"),
         format=["png", "svg"],
+    )
+
+
+def study_map():
+    """The map of the study's cases, where it asks for one."""
+    return (
+        [f"{RESULTS}/tables/{MAP}.nc", f"{RESULTS}/figures/{MAP}.png"]
+        if STUDY.model.map is not None
+        else []
     )
 
 

@@ -10,7 +10,7 @@ rule notebook:
     conda:
         "../envs/granstudy.yaml"
     params:
-        results=RESULTS,
+        results=lambda wildcards, output: str(Path(output[0]).parents[1]),
     message:
         "notebook {wildcards.name}"
     script:
