@@ -18,6 +18,9 @@ NOT_SWEPT = ("N_theta", "N_phi", "time")
 VELOCITY_AXES = {"vx", "vy", "vz", "r", "cx", "cy", "cz", "c"}
 """Axes of densities, of rescaled ones too."""
 
+OF_STATES = {"iteration", "tail_speed"}
+"""Axes of how a state was found, and of its tail."""
+
 CPU = "cpu"
 """The device of runs that do not say which."""
 
@@ -167,7 +170,7 @@ def _labelled(ds: xr.Dataset) -> xr.Dataset:
 
 
 def _at_last_time(ds: xr.Dataset) -> xr.Dataset:
-    ds = ds.drop_dims([dim for dim in ds.dims if dim == "snapshot" or dim in VELOCITY_AXES])
+    ds = ds.drop_dims(({"snapshot"} | VELOCITY_AXES | OF_STATES) & set(ds.dims))
     if "time" not in ds.dims:
         return ds
     if ds.sizes["time"] == 0:  # diverged before its first moments

@@ -148,11 +148,11 @@ def evolution_dataset(
     _add_exact_law(ds, scene)
     if snapshots:
         ds = ds.assign(_densities(grid, snapshots, rescaled))
-    ds = ds.assign(_health(list(health_outputs), reason))
+    ds = ds.assign(_health(health_outputs, reason))
     return _finish(ds, scene, solver, settings, status, reason, warnings, "evolution", plans)
 
 
-def _health(outputs: list[dict[str, float]], stopped: str) -> dict[str, Any]:
+def _health(outputs: Sequence[dict[str, float]], stopped: str) -> dict[str, Any]:
     """What was measured at every output, and the label that comes of it."""
     variables: dict[str, Any] = {
         variable: (
@@ -166,7 +166,7 @@ def _health(outputs: list[dict[str, float]], stopped: str) -> dict[str, Any]:
     return variables | _trust(outputs, stopped)
 
 
-def _trust(outputs: list[dict[str, float]], stopped: str) -> dict[str, Any]:
+def _trust(outputs: Sequence[dict[str, float]], stopped: str) -> dict[str, Any]:
     """The label that health comes to, and why."""
     trust, reasons = verdict(outputs, stopped)
     return {
@@ -186,6 +186,11 @@ def _trust(outputs: list[dict[str, float]], stopped: str) -> dict[str, Any]:
 HEALTH_NAMES = {
     "temperature": ("temperature_error_estimate", "estimated relative error of T"),
     "a2": ("a2_error_estimate", "estimated error of a2"),
+    "temperature_noise": (
+        "temperature_error_estimate",
+        "two standard errors of T over batches, relative",
+    ),
+    "a2_noise": ("a2_error_estimate", "two standard errors of a2 over batches"),
     "mass_drift": ("mass_drift", "|ρ/ρ(0) − 1|"),
     "momentum_drift": ("momentum_drift", "change of the bulk velocity over the thermal speed"),
     "edge": ("edge", "largest |f| at the grid's border over max f"),
@@ -231,6 +236,7 @@ def particle_dataset(
     status: Status,
     reason: str,
     warnings: list[str],
+    health_outputs: list[dict[str, float]],
 ) -> xr.Dataset:
     """Dataset of a simulation by particles: as `evolution_dataset`, with standard errors.
 
@@ -263,6 +269,7 @@ def particle_dataset(
     _add_exact_law(ds, scene)
     if snapshots:
         ds = ds.assign(_densities(grid, snapshots, rescaled=False))
+    ds = ds.assign(_health(health_outputs, reason))
     return _finish(ds, scene, solver, None, status, reason, warnings, "particles", ())
 
 

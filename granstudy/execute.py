@@ -13,18 +13,21 @@ from granstudy.collision import collision_operator, concrete
 from granstudy.dataset import collision_dataset, read_dataset, write_dataset
 from granstudy.evolve import simulate
 from granstudy.run import Run
+from granstudy.states import FIND
 from granstudy.tuning import Tuning
 from granstudy.whole_file import write_whole
 
 
 def execute(run: Run, threads: int) -> xr.Dataset:
-    """Run an ``evolution`` or a ``collision`` point with so many threads.
+    """Run an ``evolution``, ``collision`` or ``state`` point with so many threads.
 
     A run that ends early is a dataset too, with its status: nothing computed is lost.
     """
     solver = replace(run.solver, threads=threads)
     if run.time is not None:
         return simulate(run.scene, solver, **run.time_fields)
+    if run.model.state is not None:
+        return FIND[run.model.state](run.scene, solver)
     choice = concrete(run.scene, solver)
     operator = collision_operator(run.scene, choice.solver)
     Q = operator(run.scene.density(operator.grid))

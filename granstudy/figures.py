@@ -30,6 +30,8 @@ from granstudy.look import (
     SYMBOLS,
     WIDTH,
 )
+from granstudy.slope_figure import draw_slope
+from granstudy.state_figure import draw_states
 from granstudy.theory import haff_temperature
 from granstudy.whole_file import write_whole
 
@@ -53,9 +55,9 @@ def draw(
     table : xarray.Dataset
         From `granstudy.tables.experiment_table`.
     run_files : list of str
-        The runs' files; a ``cooling`` figure needs them.
+        The runs' files; ``cooling`` and ``slope`` figures need them.
     beside : sequence of xarray.Dataset
-        Tables of other experiments, which a ``front`` shows in panels of their own.
+        Tables of other experiments, which ``front`` and ``states`` show in panels of their own.
     runs : dict of Run
         The experiment's runs by path, in the order of their files; a ``gallery`` needs them.
     """
@@ -69,6 +71,10 @@ def draw(
             figure = _speed(table)
         elif asked.kind == "front":
             figure = draw_front([table, *beside])
+        elif asked.kind == "states":
+            figure = draw_states([table, *beside])
+        elif asked.kind == "slope":
+            figure = draw_slope(table, run_files)
         elif asked.kind == "gallery":
             assert runs is not None
             files = dict(zip(runs, run_files, strict=True))

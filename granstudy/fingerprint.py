@@ -23,12 +23,16 @@ DATA = {"granstudy.quadrature.design_data": PACKAGE / "quadrature" / "data"}
 
 
 def run_fingerprint(kind: str, operator: str, also: tuple[str, ...] = ()) -> str:
-    """Fingerprint of the modules behind an ``evolution`` or ``collision`` run with an operator.
+    """Fingerprint of the modules behind an ``evolution``, ``collision`` or ``state`` run with an operator.
 
     ``operator`` is `Solver.operator`: the method, or ``adaptive`` where it has a tolerance; ``also``
     are modules that choose it.
     """
-    entry = {"evolution": "granstudy.evolve", "collision": "granstudy.dataset"}[kind]
+    entry = {
+        "evolution": "granstudy.evolve",
+        "collision": "granstudy.dataset",
+        "state": "granstudy.states",
+    }[kind]
     method = PARTICLES if operator == "dsmc" else OPERATORS[operator][0]
     return fingerprint((entry, "granstudy.collision.operator", method, *also))
 

@@ -42,6 +42,12 @@ def growth_exponent(x: np.ndarray, cost: np.ndarray, least: float = 0.0) -> floa
     return fit_order(x[kept], cost[kept])[0] if np.unique(x[kept]).size > 1 else float("nan")
 
 
+def local_slope(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """D ln y/d ln x between neighbouring points, and where: the geometric means of their x."""
+    x = np.asarray(x, dtype=float)
+    return np.sqrt(x[1:] * x[:-1]), np.diff(np.log(y)) / np.diff(np.log(x))
+
+
 def fit_haff(
     time: np.ndarray, temperature: np.ndarray, T0: float | None = None
 ) -> tuple[float, float]:

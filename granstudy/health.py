@@ -1,10 +1,12 @@
 """Whether a run can be trusted: what is measured while it runs, and the label that comes of it.
 
-Collisions change energy and fourth moment at rates that all pairs of a density give without truncation, modes
-or directions (`granstudy.balance`). What Q's own moments differ by, over time, is what T and a2 are off by
-(docs/method.md §10). Beside it stand the signs of a density that its grid cannot hold.
+Of particles that is what their batches differ by. On a grid, collisions change energy and fourth moment at
+rates that all pairs of a density give without truncation, modes or directions (`granstudy.balance`). What Q's
+own moments differ by, over time, is what T and a2 are off by (docs/method.md §10). Beside it stand the signs
+of a density that its grid cannot hold.
 """
 
+from collections.abc import Sequence
 from enum import IntEnum
 from typing import Any, NamedTuple
 
@@ -35,6 +37,17 @@ SIGNS = {
     # of the moments of Q that do not balance those of all pairs, and of long steps
     "temperature": Sign(2e-3, 1e-2, f"T may be off by {{:.1e}} of itself: {BALANCE_REMEDY}"),
     "a2": Sign(4e-3, 3e-2, f"a2 may be off by {{:.1e}}: {BALANCE_REMEDY}"),
+    # of particles, by their batches (docs/particles.md §3)
+    "temperature_noise": Sign(
+        2e-3, 1e-2, "T has two standard errors of {:.1e} of itself: take more particles"
+    ),
+    "a2_noise": Sign(4e-3, 3e-2, "a2 has two standard errors of {:.1e}: take more particles"),
+    "a2_bias": Sign(
+        4e-3,
+        3e-2,
+        "a2 has a bias of about {:.1e} from the finite number of particles in a batch: take fewer "
+        "batches or more particles",
+    ),
     # relative; the `full` variant keeps mass to 1e-12
     "mass_drift": Sign(
         1e-3,
@@ -116,7 +129,7 @@ def warnings(output: dict[str, float]) -> dict[str, str]:
     }
 
 
-def verdict(outputs: list[dict[str, float]], stopped: str) -> tuple[Trust, list[str]]:
+def verdict(outputs: Sequence[dict[str, float]], stopped: str) -> tuple[Trust, list[str]]:
     """The label of a run by the largest values that its outputs came to, and the reasons.
 
     A run that had to stop is untrusted; ``stopped`` says why.

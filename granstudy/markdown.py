@@ -35,6 +35,14 @@ HEADINGS = {
     "largest_a2_error": "error of a2",
     "a2_error_estimate": "its estimate",
     "peak_memory_mb": "peak memory (MB)",
+    "cooling_coefficient": "K",
+    "a2_linear": "a2 (linear theory)",
+    "a2_divided": "a2 (linear, divided by 1 + a2)",
+    "a2_exact": "a2 (exact)",
+    "a2_error": "error of a2",
+    "tail_exponent": "p of the tail",
+    "slope": "d ln T/d ln t",
+    "slope_error": "from −2/λ",
 }
 """What heads a column; the name itself where none is given."""
 
@@ -153,12 +161,17 @@ def _number(table: xr.Dataset, name: str, i: int) -> str:
     if np.isnan(value):
         ended = Status(int(table["status"].values[i])).name.lower()
         return ended if name == table.attrs["quantity"] else ""
+    return format(float(value), table[name].attrs.get("format") or _digits(table, name, value))
+
+
+def _digits(table: xr.Dataset, name: str, value: float) -> str:
+    """The format of a column that has none of its own."""
     measure = table.attrs.get("paper_quantity") if name == "paper" else name
     if str(measure).endswith(("error", "estimate", "drift")):
-        return f"{value:.3e}"
+        return ".3e"
     if name == "ratio":
-        return f"{value:.3f}" if 0.01 <= value < 1000 else f"{value:.1e}"
-    return f"{value:.5g}" if measure in ("temperature", "C0", "C0_theory") else f"{value:.3g}"
+        return ".3f" if 0.01 <= value < 1000 else ".1e"
+    return ".5g" if measure in ("temperature", "C0", "C0_theory") else ".3g"
 
 
 def _legend(table: xr.Dataset) -> list[str]:

@@ -34,10 +34,10 @@ def physical_moments(values: dict[str, Any], scale: float, velocity: np.ndarray)
 
 
 def physical_density(ds: xr.Dataset) -> xr.DataArray:
-    """The saved densities f(t, v) of a run, whatever its frame.
+    """The saved densities f(t, v) of a run, whatever its frame, or the density f(v) of a state.
 
     Of a rescaled run f = θ^{−d} g lies on velocities v = u + θc of its own at each snapshot: ``vx``, ``vy``
-    (``vz``), or ``r``, are coordinates over ``snapshot`` and the scaled axis.
+    (``vz``), or ``r``, are coordinates over ``snapshot`` and the scaled axis; of a state over that axis.
 
     Raises
     ------
@@ -48,7 +48,9 @@ def physical_density(ds: xr.Dataset) -> xr.DataArray:
         return ds["f"]
     if "g" not in ds:
         raise ValueError("the dataset holds no density: give simulate save_every")
-    at = ds[["velocity_scale", "frame_velocity"]].sel(time=ds["snapshot"]).drop_vars("time")
+    at = ds[["velocity_scale"]].assign(u=ds["frame_velocity" if "snapshot" in ds else "velocity"])
+    if "snapshot" in ds:
+        at = at.sel(time=ds["snapshot"]).drop_vars("time")
     theta = at["velocity_scale"]
     f = ds["g"] / theta ** ds.sizes["component"]
     if "c" in ds.dims:
@@ -57,7 +59,7 @@ def physical_density(ds: xr.Dataset) -> xr.DataArray:
         f = f.assign_coords(r=speeds)
     else:
         for i, axis in enumerate(ds["component"].values):
-            v = at["frame_velocity"].isel(component=i, drop=True) + theta * ds[f"c{axis}"]
+            v = at["u"].isel(component=i, drop=True) + theta * ds[f"c{axis}"]
             v.attrs = {"long_name": f"velocity {axis}", "units": "1"}
             f = f.assign_coords({f"v{axis}": v})
     return f.rename("f").assign_attrs(long_name="velocity density f", units="1")

@@ -36,7 +36,9 @@ def forecast(run: Run) -> Forecast:
     solver = replace(run.solver, threads=run.model.threads)
     time = run.time
     if time is None:
-        return plan(run.scene, solver)
+        one = plan(run.planned_scene, solver)
+        further = (run.evaluations - one.evaluations) * one.seconds_per_evaluation
+        return replace(one, evaluations=run.evaluations, seconds=one.seconds + further)
     return plan(run.scene, solver, time.t_final, time.dt, time.time_rtol, time.scheme)
 
 

@@ -18,6 +18,7 @@ from granstudy.particles.cost import particle_cost
 from granstudy.particles.restitution_table import alpha_table
 from granstudy.scene import Scene, load_scene
 from granstudy.solver import PARTICLE_FIELDS, TAKES_RTOL, Choice, Solver
+from granstudy.states import check_state, gaussian_scene, state_evaluations
 from granstudy.study_file import (
     Experiment,
     SceneFields,
@@ -189,7 +190,14 @@ class Run:
     @property
     def evaluations(self) -> int:
         """Evaluations of Q that the run makes, about as many where the steps adapt (none by `dsmc`)."""
+        if self.model.state is not None:
+            return state_evaluations(self.choice.solver)
         return 1 if self.time is None else expected_evaluations(self.scene, self.time)
+
+    @property
+    def planned_scene(self) -> Scene:
+        """The scene that Q is planned for: of a state a gas at rest, as isotropic as the state is."""
+        return self.scene if self.model.state is None else gaussian_scene(self.scene)
 
     @cached_property
     def choice(self) -> Choice:
@@ -201,7 +209,7 @@ class Run:
         if solver.N is None:
             N, R = STAND_IN[self.scene.dim]
             solver = replace(solver, N=N, R=R)
-        return replace(choose(self.scene, solver), asked=self.solver)
+        return replace(choose(self.planned_scene, solver), asked=self.solver)
 
     @cached_property
     def cost(self) -> Cost:
@@ -210,12 +218,14 @@ class Run:
             assert self.time is not None
             records = len(self.time.recorded)
             return particle_cost(self.scene, self.solver, self.time.t_final, records)[0]
-        return estimate(self.scene, self.choice.solver, self.evaluations)
+        return estimate(self.planned_scene, self.choice.solver, self.evaluations)
 
     def check(self) -> None:
         """Raise ValueError for anything that would stop the run later."""
         if self.solver.N is None and self.model.run == "benchmark":
             raise ValueError("N=None: benchmark runs need N and R")
+        if self.model.state is not None:
+            check_state(self.scene, self.solver, heated=self.model.state == "heated")
         _ = self.evaluations  # t_final must be a whole number of steps
         self._check_truth()
         if self.solver.method == "dsmc":
@@ -224,10 +234,10 @@ class Run:
         solver = self.choice.solver
         check_restitution(self.scene.restitution, solver.R)
         radial = solver.method == "radial"
-        if radial:
+        if self.solver.method == "radial":  # which is chosen for isotropic scenes only
             check_isotropic(self.scene, solver.R)
-        elif solver.rtol is None:
-            directions(self.scene, solver)
+        elif not radial and solver.rtol is None:
+            directions(self.planned_scene, solver)
         if solver.device == "gpu":
             device.check_scene(self.scene)
         if solver.method == "carleman":
@@ -271,7 +281,7 @@ class Run:
         """All that the run depends on, as canonical JSON."""
         return json.dumps(
             {
-                "run": self.model.run,
+                "run": " ".join(filter(None, (self.model.state, self.model.run))),
                 "scene": self.scene.describe(),
                 "solver": self.solver.describe(),
                 "time": None if self.model.time is None else {**NO_TIMES, **self.time_fields},

@@ -14,7 +14,7 @@ from granstudy.examination import SLOWEST, imbalance
 from granstudy.health import state_of_health
 from granstudy.initial import Maxwellian
 from granstudy.moments import COMPONENTS, moment_values
-from granstudy.newton import Solution, newton
+from granstudy.newton import DENSE, Solution, newton
 from granstudy.radial_grid import RadialGrid
 from granstudy.representation import representation
 from granstudy.scene import Scene
@@ -23,6 +23,12 @@ from granstudy.steady_equation import SteadyEquation
 from granstudy.tail_slope import tail_slope
 from granstudy.theory.checks import check_restitution
 from granstudy.velocity_space import VelocitySpace
+
+STEPS = 4
+"""Steps of Newton's method, about."""
+
+VECTORS = 40
+"""Vectors of GMRES in such a step, about: each takes two evaluations of Q."""
 
 LONG_NAMES = {
     "density": "density ρ",
@@ -71,12 +77,6 @@ def cooling_state(
     ValueError
         For a scene that has no such state, or a solver that cannot find it, before any work starts.
     """
-    _check_constant_restitution(scene)
-    if scene.diffusion != 0.0:
-        raise ValueError(
-            f"diffusion={scene.diffusion!r}: a cooling state has none; give diffusion=0, or take "
-            "heated_state"
-        )
     return _state(scene, solver, False, tolerance, max_iterations)
 
 
@@ -91,28 +91,49 @@ def heated_state(
     Parameters, what is returned and raised are those of `cooling_state`, but that ε must be above 0, and
     `tail_slope` is that of −ln f against c^{1+λ/2}.
     """
-    _check_constant_restitution(scene)
-    if scene.diffusion == 0.0:
-        raise ValueError(
-            "diffusion=0.0: must be positive for a heated state, or take cooling_state"
-        )
     return _state(scene, solver, True, tolerance, max_iterations)
 
 
-def _check_constant_restitution(scene: Scene) -> None:
+FIND = {"cooling": cooling_state, "heated": heated_state}
+"""What finds a state, by its name in study files."""
+
+
+def check_state(scene: Scene, solver: Solver, heated: bool) -> None:
+    """Raise ValueError for a scene that has no such state, or a solver that cannot find it."""
     check_restitution(scene.restitution)  # type: ignore[arg-type]
     if scene.restitution == 1.0:
         raise ValueError("restitution=1.0: must be below 1, as elastic collisions take no energy")
+    if heated and scene.diffusion == 0.0:
+        raise ValueError(
+            "diffusion=0.0: must be positive for a heated state, or take cooling_state"
+        )
+    if not heated and scene.diffusion != 0.0:
+        raise ValueError(
+            f"diffusion={scene.diffusion!r}: a cooling state has none; give diffusion=0, or take "
+            "heated_state"
+        )
+    _check_solver(solver)
+
+
+def gaussian_scene(scene: Scene, temperature: float = 1.0) -> Scene:
+    """What a state's operator is planned for: an isotropic gas at u = 0, with all its symmetry."""
+    return replace(scene, initial=Maxwellian(scene.dim, temperature), symmetry=None)  # type: ignore[arg-type]
+
+
+def state_evaluations(solver: Solver) -> int:
+    """Evaluations of Q that finding a state takes, within a factor 3 (docs/states.md §2)."""
+    if solver.method == "radial" and solver.N + 2 <= DENSE:
+        return 2 * STEPS * (solver.N + 2)
+    return 2 * STEPS * VECTORS
 
 
 def _state(
     scene: Scene, solver: Solver, heated: bool, tolerance: float, max_iterations: int
 ) -> xr.Dataset:
-    _check_solver(solver)
+    check_state(scene, solver, heated)
     _check_settings(tolerance, max_iterations)
     gas = _gas(scene, solver)
-    # What is planned is the operator of an isotropic gas at u = 0, with all its symmetry.
-    gaussian = replace(scene, initial=Maxwellian(scene.dim, gas.temperature), symmetry=None)  # type: ignore[arg-type]
+    gaussian = gaussian_scene(scene, gas.temperature)
     choice = concrete(gaussian, solver)
     operator = collision_operator(gaussian, choice.solver)
     grid = operator.grid

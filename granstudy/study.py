@@ -51,14 +51,15 @@ def load_study(path: str | Path) -> Study:
             _check_baseline(list(runs[name].values()))
         except ValueError as error:
             raise ValueError(f"{path}: experiments.{name}.{error}") from None
-        figure = experiment.figure
-        for other in figure.beside if figure else ():
-            if other not in model.experiments:
-                known = list(model.experiments)
-                raise ValueError(
-                    f"{path}: experiments.{name}.figure.beside: "
-                    f"{unknown_name('experiment', other, known)}"
-                )
+        for part in ("figure", "table"):
+            asked = getattr(experiment, part)
+            for other in asked.beside if asked else ():
+                if other not in model.experiments:
+                    known = list(model.experiments)
+                    raise ValueError(
+                        f"{path}: experiments.{name}.{part}.beside: "
+                        f"{unknown_name('experiment', other, known)}"
+                    )
     return Study(Path(path).stem, model, runs)
 
 

@@ -24,6 +24,7 @@ SWEPT = (
     "rtol",
     "particles",
     "batches",
+    "seed",
     "variant",
     "method",
     "sphere_rule",
@@ -194,6 +195,13 @@ class TimingModel(_Model):
     ] = 96
 
 
+class AverageModel(_Model):
+    """Moments of particles averaged over time, once a gas no longer changes but for its scale."""
+
+    start: Annotated[float, Field(ge=0.0, description="time from which on")]
+    of: Annotated[list[str], Field(min_length=1, description="temperature, a2")] = ["a2"]
+
+
 class TableModel(_Model):
     """Which number of every run goes into the table."""
 
@@ -205,24 +213,32 @@ class TableModel(_Model):
         ),
     ]
     paper: Annotated[str | None, Field(description="reference file of printed values")] = None
+    average: Annotated[
+        AverageModel | None,
+        Field(description="of method dsmc: averages over time in place of values at its end"),
+    ] = None
+    beside: Annotated[
+        list[str],
+        Field(description="for states: other experiments, whose a2 (and T) stand beside theirs"),
+    ] = []
 
 
 class FitModel(_Model):
     """What is fitted to the runs."""
 
-    law: Literal["order", "haff", "growth"]
+    law: Literal["order", "haff", "growth", "slope"]
     x: Annotated[str | None, Field(description="for an order: the refined parameter")] = None
 
 
 class FigureModel(_Model):
     """What is drawn: a quantity against a swept parameter or time, a front, or runs beside the truth."""
 
-    kind: Literal["convergence", "cooling", "speed", "front", "gallery"]
+    kind: Literal["convergence", "cooling", "speed", "front", "slope", "states", "gallery"]
     x: Annotated[str | None, Field(description="the parameter on the abscissa")] = None
     title: Annotated[str | None, Field(description="default: the experiment's")] = None
     beside: Annotated[
         list[str],
-        Field(description="for a front: other experiments, a panel each beside this one's"),
+        Field(description="for a front or states: other experiments, panels beside this one's"),
     ] = []
 
 
@@ -230,7 +246,10 @@ class Experiment(_Model):
     """Runs of one kind: a scene and a solver, swept."""
 
     title: str
-    run: Literal["evolution", "collision", "benchmark"]
+    run: Literal["evolution", "collision", "benchmark", "state"]
+    state: Annotated[
+        Literal["cooling", "heated"] | None, Field(description="which state; state runs need it")
+    ] = None
     scene: SceneModel
     solver: SolverModel = SolverModel()
     time: TimeModel | None = None
@@ -259,14 +278,26 @@ class Experiment(_Model):
     def _fits_together(self) -> "Experiment":
         if (self.run == "evolution") != (self.time is not None):
             raise ValueError("time: evolution runs need it, others do not take it")
+        if (self.run == "state") != (self.state is not None):
+            raise ValueError("state: state runs need it, cooling or heated; others do not take it")
         if self.run != "benchmark" and (self.run == "collision") != (self.reference is not None):
-            raise ValueError("reference: collision runs need it, evolution runs do not take it")
+            raise ValueError(
+                "reference: collision runs need it, evolution and state runs do not take it"
+            )
         if self.truth is not None and self.run != "evolution":
             raise ValueError("truth: only evolution runs take it")
         if self.figure is not None and self.figure.kind == "gallery" and self.truth is None:
             raise ValueError("figure.kind: a gallery shows runs beside their truth; give one")
         if self.timing is not None and self.run != "benchmark":
             raise ValueError("timing: only benchmarks take it")
+        if self.table is not None and self.table.beside and self.run != "state":
+            raise ValueError("table.beside: only state runs take it")
+        if self.table is not None and self.table.average and self.run != "evolution":
+            raise ValueError("table.average: only evolution runs take it")
+        return self
+
+    @model_validator(mode="after")
+    def _sweeps_parameters(self) -> "Experiment":
         keys = [tuple(k for k in SWEPT if k in block) for block in self.sweep]
         for block in self.sweep:
             for key in block:
@@ -275,6 +306,8 @@ class Experiment(_Model):
                         f"sweep: unknown parameter {key!r}{nearest(key, SWEPT)}: "
                         f"allowed are {', '.join(SWEPT)}"
                     )
+                if self.time is None and key in TimeModel.model_fields:
+                    raise ValueError(f"sweep: {key!r} is of times, which only evolution runs have")
         if len(set(keys)) > 1 and self.run != "benchmark":
             raise ValueError(f"sweep: all blocks must set the same parameters, got {keys}")
         return self
@@ -368,6 +401,7 @@ def _known_fields(location: tuple[Any, ...]) -> list[str]:
         "times": TimesModel,
         "timing": TimingModel,
         "table": TableModel,
+        "average": AverageModel,
         "fit": FitModel,
         "figure": FigureModel,
         "restitution": ViscoelasticModel,

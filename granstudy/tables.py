@@ -2,6 +2,8 @@
 
 import csv
 import io
+import json
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,21 +16,24 @@ from granstudy import theory
 from granstudy.aggregate import final_values, open_runs
 from granstudy.dataset import CONVENTIONS, FLAGS, Status, flag_word, read_dataset, write_dataset
 from granstudy.errors import unknown_name
-from granstudy.fits import fit_haff, fit_order, growth_exponent
+from granstudy.fits import fit_haff, fit_order, growth_exponent, local_slope
 from granstudy.front import families
 from granstudy.markdown import markdown_table
+from granstudy.particles.averages import time_average
 from granstudy.printed import match_printed, printed_quantity
+from granstudy.state_table import columns, state_table, with_beside
 from granstudy.truth_table import COLUMNS, truth_table
 from granstudy.whole_file import write_whole
 
 if TYPE_CHECKING:  # a table does not depend on the solvers that the study module imports
     from granstudy.run import Run
-    from granstudy.study_file import Experiment
+    from granstudy.study_file import AverageModel, Experiment, FitModel, TableModel
 
 DEFAULT_QUANTITY = {
     "evolution": "temperature",
     "collision": "collision_error",
     "benchmark": "seconds",
+    "state": "a2",
 }
 LEAST_MEMORY_MB = 8.0
 """Peak memories below this are the allocator's, and not fitted."""
@@ -37,7 +42,10 @@ Rows = list[tuple["Run", str]]
 
 
 def experiment_table(
-    experiment: "Experiment", runs: dict[str, "Run"], files: list[str]
+    experiment: "Experiment",
+    runs: dict[str, "Run"],
+    files: list[str],
+    beside: Sequence[xr.Dataset] = (),
 ) -> xr.Dataset:
     """Table of an experiment, a row (dimension ``run``) for each run.
 
@@ -49,6 +57,8 @@ def experiment_table(
         The experiment's runs by path, references among them.
     files : list of str
         Their files in the same order; of a benchmark its one file.
+    beside : sequence of Dataset
+        Tables of the experiments that stand beside states, as the study file lists them.
 
     Returns
     -------
@@ -63,6 +73,7 @@ def experiment_table(
     ValueError
         For a quantity, fit or printed table that the runs do not fit.
     """
+    rows: Rows = []
     if experiment.run == "benchmark":
         table = _benchmark(files)
     else:
@@ -75,7 +86,11 @@ def experiment_table(
         if experiment.truth is not None:
             table = _with_swept(truth_table(rows, by_path), rows)
         elif experiment.run == "evolution":
-            table = _evolution(rows)
+            table = _evolution(rows, experiment.table)
+        elif experiment.run == "state":
+            table = _with_swept(state_table(rows), rows)
+            names = experiment.table.beside if experiment.table else []
+            table = with_beside(table, dict(zip(names, beside, strict=True)))
         else:
             table = _collision(rows, by_path)
     asked = experiment.table
@@ -84,12 +99,8 @@ def experiment_table(
     if quantity not in numbers:
         raise unknown_name("quantity", quantity, numbers)
     table.attrs["quantity"] = quantity
-    if experiment.fit is not None and experiment.fit.law == "order":
-        table = _with_order(table, quantity, experiment.fit.x)
-    elif experiment.fit is not None and experiment.fit.law == "growth":
-        table = _with_growth(table)
-    elif experiment.fit is not None:
-        table = _with_haff(table, rows)
+    if experiment.fit is not None:
+        table = _with_fit(table, experiment.fit, rows)
     if asked and asked.paper:
         table = _with_paper(table, asked.paper, printed_quantity(asked.paper, quantity))
     return _finish(table, experiment)
@@ -125,14 +136,17 @@ def _cell(name: str, value: xr.DataArray) -> str:
     return str(value.item())
 
 
-def _evolution(rows: Rows) -> xr.Dataset:
-    """Moments and errors at the final time."""
+def _evolution(rows: Rows, asked: "TableModel | None") -> xr.Dataset:
+    """Moments and errors at the final time, or averages that are asked for."""
+    # Before all files are open: netCDF4 has crashed where a file was opened twice.
+    averages = _averages(rows, asked.average) if asked and asked.average else {}
     with final_values([file for _, file in rows]) as final:
         names = [name for name, v in final.data_vars.items() if v.dims == ("run",)]
-        table = final[names].drop_vars(["reason", "warnings"]).load()
+        # One thread: netCDF4 has crashed under several.
+        table = final[names].drop_vars(["reason", "warnings"]).load(scheduler="synchronous")
     ended = table["status"] == Status.OK
     table = table.map(lambda v: v.where(ended) if v.dtype.kind == "f" else v, keep_attrs=True)
-    return _with_swept(table, rows)
+    return _with_swept(table.assign(averages), rows)
 
 
 def _collision(rows: Rows, files: dict[str, str]) -> xr.Dataset:
@@ -183,6 +197,14 @@ def _with_swept(table: xr.Dataset, rows: Rows) -> xr.Dataset:
     )
     table.attrs["swept"] = " ".join(swept)
     return table
+
+
+def _with_fit(table: xr.Dataset, fit: "FitModel", rows: Rows) -> xr.Dataset:
+    if fit.law == "order":
+        return _with_order(table, table.attrs["quantity"], fit.x)
+    if fit.law == "growth":
+        return _with_growth(table)
+    return {"slope": _with_slope, "haff": _with_haff}[fit.law](table, rows)
 
 
 def _with_order(table: xr.Dataset, quantity: str, x: str | None) -> xr.Dataset:
@@ -251,6 +273,47 @@ def _with_haff(table: xr.Dataset, rows: Rows) -> xr.Dataset:
     return table
 
 
+def _with_slope(table: xr.Dataset, rows: Rows) -> xr.Dataset:
+    """Add d ln T/d ln t of the last decade, its distance from Haff's law, and how long the run took."""
+    found = []
+    for run, file in rows:
+        with open_runs([file]) as ds:
+            time, T = ds["time"].values[1:], ds["temperature"].values[0, 1:]
+        at, slope = local_slope(time, T)
+        late = slope[at > time[-1] / 10.0]
+        law = -2.0 / run.scene.kernel.exponent
+        sidecar = json.loads(Path(f"{file}.json").read_text())
+        found.append((late.mean(), np.abs(late - law).max(), sidecar["duration_seconds"]))
+    long_names = {
+        "slope": ("d ln T/d ln t, mean over the last decade of t", ".6f"),
+        "slope_error": ("largest |d ln T/d ln t + 2/λ| in the last decade of t", ".1e"),
+        "seconds": ("wall time of the run, set-up included", ".3g"),
+    }
+    for column, (name, (long_name, digits)) in enumerate(long_names.items()):
+        values = np.array([numbers[column] for numbers in found], dtype=float)
+        table[name] = ("run", values, {"long_name": long_name, "units": "1", "format": digits})
+    return table
+
+
+def _averages(rows: Rows, asked: "AverageModel") -> dict[str, Any]:
+    """Averages over time and their standard errors by batches, which replace the last values."""
+    variables = {}
+    where = f"averaged from t = {asked.start:g} on"
+    for run, _ in rows:
+        if run.solver.method != "dsmc":
+            raise ValueError(f"table.average: only method 'dsmc' has it, not {run.path}")
+    datasets = [read_dataset(file) for _, file in rows]
+    for name in asked.of:
+        means, errors = np.array([time_average(ds, name, asked.start) for ds in datasets]).T
+        for column, values, long_name, digits in (
+            (name, means, f"{name}, {where}", ".6f"),
+            (f"{name}_standard_error", errors, f"standard error of {name}, {where}", ".1e"),
+        ):
+            attributes = {"long_name": long_name, "units": "1", "format": digits}
+            variables[column] = ("run", values, attributes)
+    return variables
+
+
 def _with_paper(table: xr.Dataset, paper: str, quantity: str) -> xr.Dataset:
     """Add the printed number of each run and ours over it."""
     if quantity not in table:
@@ -274,16 +337,35 @@ def _with_paper(table: xr.Dataset, paper: str, quantity: str) -> xr.Dataset:
 def _finish(table: xr.Dataset, experiment: "Experiment") -> xr.Dataset:
     """Put the columns into reading order, and say what the table is."""
     quantity = table.attrs["quantity"]
-    first = [quantity, "C0", "C0_error", "C0_theory", "paper", "ratio", "has_paper", "order"]
+    first = [
+        quantity,
+        f"{quantity}_standard_error",
+        "slope",
+        "slope_error",
+        "C0",
+        "C0_error",
+        "C0_theory",
+        "paper",
+        "ratio",
+        "has_paper",
+        "order",
+    ]
     beside = {
-        "evolution": ["temperature_error", "temperature", "density_drift"],
+        "evolution": [
+            "temperature_error",
+            "temperature",
+            "temperature_standard_error",
+            *(["a2", "seconds"] if "slope" in table else []),
+            "density_drift",
+        ],
+        "state": columns(table) if experiment.run == "state" else [],
         "collision": ["relative_error"],
         "benchmark": [str(name) for name in table.data_vars],
     }[experiment.run]
     if experiment.truth is not None:
         beside = list(COLUMNS)
     names = [name for name in (*first, *beside, "status") if name in table]
-    kept = ("swept", "quantity", "refined", "paper_quantity", "dim", "truth")
+    kept = ("swept", "quantity", "refined", "paper_quantity", "dim", "state", "beside", "truth")
     attributes = {key: table.attrs[key] for key in kept if key in table.attrs}
     table = table[[*dict.fromkeys(name for name in names if name != "status"), "status"]]
     table.attrs = {

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from granstudy.fits import fit_haff, fit_order
+from granstudy.fits import fit_haff, fit_order, local_slope
 from granstudy.theory import haff_temperature
 
 
@@ -64,3 +64,14 @@ def test_the_standard_error_covers_noise():
 def test_a_cooling_law_needs_data(t, T, message):
     with pytest.raises(ValueError, match=message):
         fit_haff(t, T)
+
+
+def test_the_local_slope_of_a_power_and_of_haffs_law():
+    t = np.geomspace(1e-2, 1e6, 81)
+    at, slope = local_slope(t, 3.0 * t**-1.7)
+    np.testing.assert_allclose(slope, -1.7, rtol=1e-12)
+    assert np.all((t[:-1] < at) & (at < t[1:]))
+    C0 = 0.2
+    at, slope = local_slope(t, (1.0 + C0 * t) ** -2)
+    np.testing.assert_allclose(slope, -2 * C0 * at / (1 + C0 * at), atol=2e-3)
+    np.testing.assert_allclose((slope + 2)[-5:] * C0 * at[-5:], 2.0, rtol=0.02)

@@ -232,6 +232,33 @@ def test_dataset_says_what_it_is(tmp_path):
     assert float(again["cooling_rate"]) == pytest.approx(0.2 / T, rel=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("scene", "solver"),
+    [
+        (gas(0.6, diffusion=0.02), RADIAL),
+        (gas(0.9, 0.0, 0.03, "double_well2d"), gs.Solver(N=28, R=9.0, M_cir=12, N_rho=10)),
+    ],
+)
+def test_the_density_over_velocities(scene, solver):
+    """f(v) from g(c): its moments about v = 0 are ρ, ρu and ½ρ(|u|² + dT), whatever θ is."""
+    ds = state(scene, solver)
+    f, theta, d = gs.physical_density(ds), float(ds["velocity_scale"]), ds.sizes["component"]
+    assert abs(theta - 1.0) > 0.05
+    if "c" in f.dims:
+        V2 = np.square(f["r"])
+        measure = theta**d * ds["c_weight"]
+    else:
+        v = [f[f"v{axis}"] for axis in "xy"]
+        V2 = sum(np.square(vi) for vi in v)
+        measure = float(np.prod([vi[1] - vi[0] for vi in v]))
+        for i, vi in enumerate(v):
+            u = (vi * f * measure).sum() / ds["density"]
+            assert float(u) == pytest.approx(float(ds["velocity"][i]), abs=1e-10)
+    assert float((f * measure).sum()) == pytest.approx(float(ds["density"]), rel=1e-9)
+    energy = float(ds["density"] * (np.sum(ds["velocity"] ** 2) + d * ds["temperature"]))
+    assert float((V2 * f * measure).sum()) == pytest.approx(energy, rel=1e-9)
+
+
 def test_what_is_not_found_is_not_passed_off():
     ds = gs.cooling_state(gas(0.5), RADIAL, tolerance=1e-30, max_iterations=4)
     assert int(ds["status"]) == 1

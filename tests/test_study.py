@@ -112,7 +112,7 @@ def test_a_run_outside_the_study(load):
         ("N_rho: 8}", "N_roh: 8}", "solver.N_roh: unknown field .did you mean 'N_rho'"),
         ("t_final: 1", "t_finl: 1", "time.t_finl: unknown field .did you mean 't_final'"),
         ("quantity: ", "quantitiy: ", "table.quantitiy: unknown field .did you mean 'quantity'"),
-        ("e: [0.2", "ee: [0.2", "sweep: unknown parameter 'ee' .did you mean 'e'"),
+        ("e: [0.2", "epsilo: [0.2", "sweep: unknown parameter 'epsilo' .did you mean 'epsilon'"),
         ("1.0e-6", "1e-6", "YAML reads 1e-3 as text"),
         ("t_final: 1.0", "t_final: [1.0]", r"time.t_final: value \[1.0\]"),
         ("N: [8]", "N: [-8]", "run e~0.2/N~-8.*N=-8: must be an even integer"),

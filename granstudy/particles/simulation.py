@@ -138,16 +138,35 @@ def _dataset(
     }
     by_batch = {name: values[:, :count] for name, values in by_batch.items()}
     status = Status.DIVERGED if reason else Status.OK
-    warnings = bias_warning(by_batch["a2"][:, reached > 0.0], scene.dim, solver)
+    bias = expected_bias(scene.dim, solver)
+    warnings = bias_warning(by_batch["a2"][:, reached > 0.0], bias)
     return particle_dataset(
-        scene, solver, grid, reached, by_batch, snapshots, status, reason, warnings
-    )
+        scene, solver, grid, reached, by_batch, snapshots, status, reason, warnings,
+        state_of_health(by_batch["temperature"], by_batch["a2"], bias),
+    )  # fmt: skip
 
 
-def bias_warning(a2: np.ndarray, dim: int, solver: Solver) -> list[str]:
-    """A warning where the bias of a2, about −2/(dn) (docs/particles.md §3), shows above its error."""
+def state_of_health(T: np.ndarray, a2: np.ndarray, bias: float) -> list[dict[str, float]]:
+    """What each record says of its errors, by the names of `granstudy.health.SIGNS`.
+
+    Of many batches, two standard errors are exceeded about one time in twenty.
+    """
+    T_noise = 2.0 * standard_error(T) / T.mean(axis=0)
+    a2_noise = 2.0 * standard_error(a2)
+    return [
+        {"temperature_noise": float(T_error), "a2_noise": float(a2_error), "a2_bias": bias}
+        for T_error, a2_error in zip(T_noise, a2_noise, strict=True)
+    ]
+
+
+def expected_bias(dim: int, solver: Solver) -> float:
+    """The size of a2's bias, 2/(dn), n the particles of a batch (docs/particles.md §3)."""
     assert solver.particles is not None
-    bias = 2.0 * solver.batches / (dim * solver.particles)
+    return 2.0 * solver.batches / (dim * solver.particles)
+
+
+def bias_warning(a2: np.ndarray, bias: float) -> list[str]:
+    """A warning where the bias of a2 shows above its error."""
     error = standard_error(a2)
     if not np.any(error < bias):
         return []

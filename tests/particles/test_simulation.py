@@ -7,8 +7,9 @@ import pytest
 import xarray as xr
 
 import granstudy as gs
+from granstudy.health import Trust
 from granstudy.particles import simulate_particles, time_average
-from granstudy.theory import maxwell_anisotropy_rate
+from granstudy.theory import maxwell_a2, maxwell_anisotropy_rate
 
 SCENE = gs.load_scene("double_well2d", restitution=0.3, diffusion=0.0)
 
@@ -76,6 +77,33 @@ def test_a_dataset():
     assert exact[peak["vx"], peak["vy"]] > 0.9 * exact.max()
 
 
+@pytest.mark.parametrize(
+    ("particles", "batches", "trust", "reason"),
+    [
+        (200_000, 20, "marginal", "a2 has two standard errors of"),
+        (2000, 20, "untrusted", "T has two standard errors of"),
+        (800, 40, "untrusted", "a2 has a bias of about 5.0e-02"),
+    ],
+)
+def test_labels_are_by_the_standard_errors(particles, batches, trust, reason):
+    ds = simulate_particles(SCENE, solver(particles=particles, batches=batches), [0.0, 1.0])
+    estimate = 2 * ds["temperature_standard_error"] / ds["temperature"]
+    np.testing.assert_allclose(ds["temperature_error_estimate"], estimate)
+    np.testing.assert_allclose(ds["a2_error_estimate"], 2 * ds["a2_standard_error"])
+    assert Trust(int(ds["trust"])).name.lower() == trust
+    assert reason in ds["trust"].attrs["reasons"]
+
+
+def test_what_is_labelled_trusted_is_right():
+    """T against its exact law to 1%, a2 against the exact moments to 0.01."""
+    scene = gs.load_scene("maxwellian3d", restitution=0.6, diffusion=0.0)
+    ds = simulate_particles(scene, solver(particles=1_000_000), [0.0, 1.0])
+    assert Trust(int(ds["trust"])) is Trust.TRUSTED and ds["trust"].attrs["reasons"] == ""
+    assert float(abs(ds["temperature"] / ds["temperature_exact"] - 1.0)[-1]) < 0.01
+    (a2,) = maxwell_a2(np.array([1.0]), np.eye(3), 0.0, 0.6)
+    assert float(ds["a2"][-1]) == pytest.approx(a2, abs=0.01)
+
+
 def test_it_is_written_and_read(tmp_path):
     ds = gs.simulate(SCENE, solver(), t_final=0.2, dt=0.1)
     gs.write_dataset(ds, tmp_path / "run.nc")
@@ -88,6 +116,8 @@ def test_an_impact_beyond_the_speeds_checked_ends_the_run():
     )
     ds = simulate_particles(scene, solver(R=4.0), [0.0, 0.01, 5.0])
     assert ds["status"] == 2 and ds.sizes["time"] == 2
+    assert Trust(int(ds["trust"])) is Trust.UNTRUSTED
+    assert ds["trust"].attrs["reasons"].startswith(ds["status"].attrs["reason"])
     assert "is beyond 4R = 16" in ds["status"].attrs["reason"]
     assert ds["status"].attrs["reason"].startswith("t = 5: ")
 

@@ -50,6 +50,14 @@ def test_runs_are_written_and_opened_together(load, tmp_path):
     assert gs.final_values(tmp_path / "runs")["method"].values.tolist() == ["dsmc"] * 4
 
 
+def test_seeds_are_swept(load):
+    runs = load("{particles: [1000, 2000], batches: [10, 20]}", "{particles: 1000, seed: [1, 2]}")
+    runs = runs.runs["cooling"]
+    assert list(runs) == ["particles~1000/seed~1", "particles~1000/seed~2"]
+    assert [run.solver.seed for run in runs.values()] == [1, 2]
+    assert len({run_key(run) for run in runs.values()}) == 2
+
+
 def test_collisions_are_counted_before_they_happen(load):
     run = load().run("cooling", "particles~2000/batches~20")
     ds = execute(run, threads=1)

@@ -1,7 +1,8 @@
 # Many runs to one labelled table, and tables or runs to figures.
 rule table:
     input:
-        lambda wildcards: run_files(wildcards.experiment),
+        runs=lambda wildcards: run_files(wildcards.experiment),
+        beside=lambda wildcards: tables_beside(wildcards.experiment, "table"),
     output:
         multiext(f"{RESULTS}/tables/{{experiment}}", ".nc", ".csv", ".md"),
     log:
@@ -12,7 +13,7 @@ rule table:
         study=STUDY_FILE,
         request=lambda wildcards: STUDY.model.experiments[
             wildcards.experiment
-        ].model_dump_json(include={"title", "table", "fit", "reference", "truth"}),
+        ].model_dump_json(include={"title", "state", "table", "fit", "reference", "truth"}),
         code=fingerprint(["granstudy.tables"]),
     message:
         "table {wildcards.experiment}"
@@ -23,7 +24,7 @@ rule table:
 rule figure:
     input:
         table=f"{RESULTS}/tables/{{experiment}}.nc",
-        beside=lambda wildcards: tables_beside(wildcards.experiment),
+        beside=lambda wildcards: tables_beside(wildcards.experiment, "figure"),
         runs=lambda wildcards: run_files(wildcards.experiment),
     output:
         multiext(f"{RESULTS}/figures/{{experiment}}", ".png", ".svg"),

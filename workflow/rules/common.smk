@@ -40,10 +40,10 @@ def run_files(experiment):
     return [f"{RUNS}/{experiment}/{path}.nc" for path in STUDY.runs[experiment]]
 
 
-def tables_beside(experiment):
-    """Tables of the other experiments that a figure shows."""
-    figure = STUDY.model.experiments[experiment].figure
-    return [f"{RESULTS}/tables/{name}.nc" for name in (figure.beside if figure else [])]
+def tables_beside(experiment, part):
+    """Tables of the other experiments that a ``figure`` or a ``table`` shows."""
+    asked = getattr(STUDY.model.experiments[experiment], part)
+    return [f"{RESULTS}/tables/{name}.nc" for name in (asked.beside if asked else [])]
 
 
 def benchmarked(experiment):

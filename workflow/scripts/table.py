@@ -1,9 +1,13 @@
+from granstudy.dataset import read_dataset
 from granstudy.study import load_study
 from granstudy.tables import experiment_table, write_table
 
 study = load_study(snakemake.params.study)
 runs = study.runs[snakemake.wildcards.experiment]
 table = experiment_table(
-    study.model.experiments[snakemake.wildcards.experiment], runs, list(snakemake.input)
+    study.model.experiments[snakemake.wildcards.experiment],
+    runs,
+    list(snakemake.input.runs),
+    [read_dataset(table) for table in snakemake.input.beside],
 )
 write_table(table, *snakemake.output)

@@ -1,0 +1,50 @@
+"""Cooling over decades: the table's slope against Haff's law, and what the figure draws."""
+
+import numpy as np
+import pytest
+
+import granstudy as gs
+from granstudy.execute import execute
+from granstudy.figures import draw
+from granstudy.fits import local_slope
+from granstudy.study import load_study
+from granstudy.tables import experiment_table
+
+STUDY = """
+title: decades
+experiments:
+  haff:
+    title: haff
+    run: evolution
+    scene: {name: maxwellian3d, exponent: 1.0, epsilon: 0.0}
+    solver: {N: 16, R: 7.0, method: radial}
+    time: {t_final: 1.0e+5, time_rtol: 1.0e-5, frame: rescaled, times: {first: 0.1, per_decade: 5}}
+    sweep:
+      - {e: [0.5, 0.8]}
+    table: {quantity: temperature}
+    fit: {law: slope}
+    figure: {kind: slope}
+"""
+
+
+def test_the_slope_of_the_last_decade(tmp_path):
+    (tmp_path / "decades.yaml").write_text(STUDY)
+    study = load_study(tmp_path / "decades.yaml")
+    experiment, runs = study.model.experiments["haff"], study.runs["haff"]
+    files = [str(tmp_path / f"{path}.nc") for path in runs]
+    for run, file in zip(runs.values(), files, strict=True):
+        gs.write_dataset(execute(run, threads=1), file, duration=2.5)
+    table = experiment_table(experiment, runs, files)
+    assert table["slope"].values == pytest.approx(-2.0, abs=1e-3)
+    # the last decade begins at t = 10⁴, where Haff's law is 2/(C0 t) short of its limit
+    K = [float(gs.cooling_state(r.scene, r.solver)["cooling_coefficient"]) for r in runs.values()]
+    at = 10**4.1
+    assert table["slope_error"].values == pytest.approx([4 / (k * at) for k in K], rel=0.05)
+    assert table["seconds"].values.tolist() == [2.5, 2.5]
+    left, right = draw(experiment, table, files).axes
+    T = gs.open_runs(files)["temperature"].values[:, 1:]
+    time = left.lines[0].get_xdata()
+    for i in range(2):
+        np.testing.assert_array_equal(left.lines[i].get_ydata(), T[i])
+        distance = np.abs(local_slope(time, T[i])[1] + 2.0)
+        np.testing.assert_array_equal(right.lines[i].get_ydata(), distance)
