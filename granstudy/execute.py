@@ -12,6 +12,7 @@ import xarray as xr
 from granstudy.collision import collision_operator, concrete
 from granstudy.dataset import collision_dataset, read_dataset, write_dataset
 from granstudy.evolve import simulate
+from granstudy.jobs import run_key
 from granstudy.run import Run
 from granstudy.states import FIND
 from granstudy.tuning import Tuning
@@ -52,6 +53,11 @@ def execute_job(
     ----------
     keys : sequence of str
         `granstudy.jobs.run_key` of every run, stored as the dataset's attribute.
+
+    Raises
+    ------
+    ValueError
+        If the key of a run to compute is another one: what it depends on changed since the workflow started.
     """
     copies = [Path(unfinished) / f"{key}.nc" for key in keys]
     for run, key, path, copy in zip(runs, keys, map(Path, paths), copies, strict=True):
@@ -60,6 +66,10 @@ def execute_job(
         if _holds(copy, key):
             write_whole(path, partial(shutil.copyfile, copy))
             continue
+        if run_key(run) != key:
+            raise ValueError(
+                f"{run.path}: the study or the code changed since the workflow started; start it again"
+            )
         start = time.perf_counter()
         ds = execute(run, threads).assign_attrs(run_key=key)
         write_dataset(ds, path, duration=time.perf_counter() - start)

@@ -258,10 +258,6 @@ class Run:
         truth = self.model.truth
         if truth is None or self.is_reference:
             return
-        if self.solver.method == "dsmc":
-            raise ValueError(
-                "method='dsmc': has no label to hold against a truth; let it be the truth"
-            )
         if truth.solver is not None:
             try:
                 self.truth.check()

@@ -3,6 +3,7 @@
 import pytest
 
 from granstudy import execute, read_dataset
+from granstudy.dataset import write_dataset
 from granstudy.jobs import JOB_SECONDS, jobs, run_key
 from granstudy.study import load_study
 
@@ -88,10 +89,14 @@ def test_only_runs_of_another_key_or_with_damaged_files_are_computed(runs, tmp_p
     monkeypatch.setattr(
         execute, "execute", lambda run, threads: computed.append(run) or compute(run, threads)
     )
-    keys[3] = "another"
+    write_dataset(read_dataset(paths[3]).assign_attrs(run_key="another"), paths[3])
     execute.execute_job(runs, keys, paths, 1, tmp_path / "unfinished")
     assert computed == [runs[1], runs[3]]
-    assert [path.read_bytes() == old for path, old in zip(paths, written, strict=True)] == [
-        True, True, True, False, True, True,
-    ]  # fmt: skip
-    assert read_dataset(paths[3]).attrs["run_key"] == "another"
+    assert [path.read_bytes() for path in paths] == written
+
+
+def test_a_run_that_changed_since_the_workflow_started_is_refused(runs, tmp_path):
+    path = tmp_path / "0.nc"
+    with pytest.raises(ValueError, match="changed since the workflow started"):
+        execute.execute_job(runs[:1], [run_key(runs[1])], [path], 1, tmp_path / "unfinished")
+    assert not path.exists()

@@ -241,11 +241,6 @@ def test_the_rule_of_labels(trust, T, a2, status, wrong):
         ("R: 10.0, N: 28", "R: 10.0, N: 2", "truth: N=2: must be an integer of at least 4"),
         ("  law:\n", "  map:\n", "experiments.map: is the name of the map's files"),
         ("    truth: {law: maxwell}\n", "", "figure.kind: a gallery shows runs beside their truth"),
-        (
-            "solver: {method: radial}",
-            "solver: {method: dsmc, particles: 400}",
-            "let it be the truth",
-        ),
     ],
 )
 def test_what_does_not_fit_is_refused(tmp_path, old, new, message):

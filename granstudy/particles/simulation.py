@@ -65,14 +65,14 @@ def simulate_particles(
     times = _checked_times(times)
     assert solver.particles is not None
     grid = solver.grid(scene.dim)
-    start = grid.velocity_moments(scene.density(grid))
-    gas = Gas.of(scene, solver.R, start.density, start.momentum / start.density)
+    density, velocity, pressure = _start(scene, grid)
+    gas = Gas.of(scene, solver.R, density, velocity)
     sampler = Sampler(scene, grid)
     n = solver.particles // solver.batches
     kept = _kept(times, save_every)
 
     def run(rng: np.random.Generator) -> Record:
-        batch = Batch(gas, quiet(sampler.draw(n, rng), start.pressure / start.density), rng)
+        batch = Batch(gas, quiet(sampler.draw(n, rng), pressure / density), rng)
         moments: list[dict[str, Any]] = []
         counts: dict[float, np.ndarray] = {}
         try:
@@ -90,6 +90,14 @@ def simulate_particles(
         hidden = None if progress is None else not progress
         records = list(tqdm(done, total=solver.batches, disable=hidden))
     return _dataset(scene, solver, grid, gas, times, records)
+
+
+def _start(scene: Scene, grid: VelocityGrid) -> tuple[float, np.ndarray, np.ndarray]:
+    """ρ, u and the pressure tensor that particles begin with: those the density states, else the grid's."""
+    if scene.moments is not None:
+        return scene.moments.density, scene.moments.velocity, scene.moments.pressure
+    start = grid.velocity_moments(scene.density(grid))
+    return start.density, start.momentum / start.density, start.pressure
 
 
 def _checked_times(times: Sequence[float] | np.ndarray) -> np.ndarray:
