@@ -21,8 +21,28 @@ VELOCITY_AXES = {"vx", "vy", "vz", "r", "cx", "cy", "cz", "c"}
 OF_STATES = {"iteration", "tail_speed"}
 """Axes of how a state was found, and of its tail."""
 
-CPU = "cpu"
-"""The device of runs that do not say which."""
+ABSENT: dict[str, Any] = {
+    "N_rho": -1,
+    "M_sph": -1,
+    "N_theta": -1,
+    "N_phi": -1,
+    "M_cir": -1,
+    "rtol": -1.0,
+    "particles": -1,
+    "batches": -1,
+    "seed": -1,
+    "variant": "",
+    "sphere_rule": "",
+    "radial_rule": "",
+    "dealias": False,
+    "precision": "",
+    "device": "cpu",
+    "frame": "",
+    "scheme": "",
+    "conserve": "",
+    "time_rtol": -1.0,
+}
+"""What stands for a parameter that a run does not have, beside runs that have it."""
 
 Where = str | Path | Iterable[str | Path]
 
@@ -40,8 +60,8 @@ def open_runs(where: Where) -> xr.Dataset:
     xarray.Dataset
         Variables with a leading dimension ``run``, as Dask arrays; every parameter (e, N, variant,
         dt, ...) is a coordinate along ``run``. `status` says how a run ended, `reason` and
-        `warnings` why. Times after the end of a run that ended early hold NaN. N_theta and N_phi
-        are −1 for sphere rules that have none; `device` is there where a GPU made a run.
+        `warnings` why. Times after the end of a run that ended early hold NaN. A parameter that only
+        some runs have is −1, "" or False in the others, as `ABSENT` says.
 
     Raises
     ------
@@ -55,7 +75,7 @@ def open_runs(where: Where) -> xr.Dataset:
     final_values : the last time of every run, for runs that differ in dt.
     unstack_runs : from ``run`` to an array over (e, N, variant, ...).
     """
-    runs = _open(where, _labelled)
+    runs = _open(where, lambda ds: ds)
     if "time" in runs.dims and "dt" in runs.coords and np.unique(runs["dt"]).size > 1:
         raise ValueError(
             f"dt: the runs have steps {np.unique(runs['dt']).tolist()} and so no common times; "
@@ -73,7 +93,7 @@ def final_values(where: Where) -> xr.Dataset:
     As `open_runs`, without densities; `time` is a coordinate along ``run``. `density_drift` is the
     relative change of the density from first to last time.
     """
-    return _open(where, lambda ds: _labelled(_at_last_time(ds)))
+    return _open(where, _at_last_time)
 
 
 def unstack_runs(runs: xr.Dataset, over: Sequence[str] | None = None) -> xr.Dataset:
@@ -140,7 +160,13 @@ def run_files(where: Where) -> list[str]:
     return files
 
 
-def _open(where: Where, preprocess: Callable[[xr.Dataset], xr.Dataset]) -> xr.Dataset:
+def _open(where: Where, select: Callable[[xr.Dataset], xr.Dataset]) -> xr.Dataset:
+    known: set[Hashable] = set()
+
+    def preprocess(ds: xr.Dataset) -> xr.Dataset:
+        known.update(ds.coords)
+        return _labelled(select(ds))
+
     runs = xr.open_mfdataset(
         run_files(where),
         engine="netcdf4",
@@ -154,7 +180,7 @@ def _open(where: Where, preprocess: Callable[[xr.Dataset], xr.Dataset]) -> xr.Da
         join="outer",
         combine_attrs="drop_conflicts",
     )
-    return runs.drop_vars("device") if set(runs["device"].values) == {CPU} else runs
+    return runs.drop_vars(ABSENT.keys() - known)
 
 
 def _labelled(ds: xr.Dataset) -> xr.Dataset:
@@ -162,9 +188,7 @@ def _labelled(ds: xr.Dataset) -> xr.Dataset:
     status = ds["status"]
     texts = {name: ((), status.attrs.pop(name, "")) for name in ("reason", "warnings")}
     scalars = {name: c.values for name, c in ds.coords.items() if c.ndim == 0}
-    scalars = {"device": np.array(CPU)} | scalars
-    if "sphere_rule" in scalars:
-        scalars = {"N_theta": np.array(-1), "N_phi": np.array(-1)} | scalars
+    scalars |= {name: np.array(v) for name, v in ABSENT.items() if name not in scalars}
     ds = ds.assign(texts).drop_vars(list(scalars), errors="ignore").expand_dims("run")
     return ds.assign_coords({name: ("run", value[np.newaxis]) for name, value in scalars.items()})
 

@@ -12,7 +12,7 @@ from granstudy.dataset import flag_word, read_dataset
 from granstudy.density_profile import thermal_profile
 from granstudy.look import COLOURS, PANEL_HEIGHT, SYMBOLS, WIDTH
 from granstudy.truth import Truth, truth_of
-from granstudy.truth_table import parameter_text, telling_apart
+from granstudy.truth_table import run_text, telling_apart
 
 if TYPE_CHECKING:  # a figure does not depend on the solvers that the study module imports
     from granstudy.run import Run
@@ -46,9 +46,7 @@ def draw_gallery(
     truths: dict[str, Truth] = {}
     for i, (run, file) in enumerate(rows):
         ds = read_dataset(file)
-        label = ", ".join(
-            parameter_text(name, table[name].values[i], SYMBOLS.get(name, "")) for name in names
-        )
+        label = run_text({name: table[name].values[i] for name in names}, SYMBOLS)
         look: dict[str, Any] = {"color": COLOURS[i % len(COLOURS)], "zorder": 3}
         # What others agree with lies under them, wide and pale, so that both are seen.
         look |= {"linewidth": 1.3 + 0.8 * (len(rows) - 1 - i), "alpha": 0.85}

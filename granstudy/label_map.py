@@ -9,7 +9,7 @@ import xarray as xr
 from granstudy.dataset import CONVENTIONS, Status, flag_word, write_dataset
 from granstudy.health import Trust
 from granstudy.tables import csv_table
-from granstudy.truth_table import parameter_text, telling_apart
+from granstudy.truth_table import run_text, telling_apart
 from granstudy.whole_file import write_whole
 
 TRUSTED_TEMPERATURE = 1e-2
@@ -100,8 +100,7 @@ def _texts(table: xr.Dataset, names: Sequence[str]) -> list[str]:
     """Parameters of every run, swept or held fixed, as a text."""
     columns = [np.broadcast_to(table[name].values, table.sizes["run"]) for name in names]
     return [
-        ", ".join(parameter_text(name, value) for name, value in zip(names, values, strict=True))
-        for values in zip(*columns, strict=True)
+        run_text(dict(zip(names, values, strict=True))) for values in zip(*columns, strict=True)
     ]
 
 

@@ -1,5 +1,6 @@
 """Runs beside their truth: errors of T and a2, what the runs themselves said of them, and their labels."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -54,6 +55,15 @@ def parameter_text(name: str, value: object, symbol: str = "") -> str:
     if isinstance(value, str):
         return f"{name} {value}" if name == "conserve" else value
     return f"{symbol or name} = {value:g}"
+
+
+def run_text(parameters: Mapping[str, object], symbols: Mapping[str, str] = {}) -> str:
+    """Parameters of a run as a label says them; "" stands for one that the run does not have."""
+    return ", ".join(
+        parameter_text(name, value, symbols.get(name, ""))
+        for name, value in parameters.items()
+        if value != ""
+    )
 
 
 def truth_table(rows: "list[tuple[Run, str]]", files: dict[str, str]) -> xr.Dataset:
