@@ -15,7 +15,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from granstudy.aggregate import open_runs
 from granstudy.front import families
-from granstudy.front_figure import draw_front
+from granstudy.front_figure import draw_front, draw_run_front
 from granstudy.gallery_figure import draw_gallery
 from granstudy.look import (
     COLOURS,
@@ -70,7 +70,8 @@ def draw(
         elif asked.kind == "speed":
             figure = _speed(table)
         elif asked.kind == "front":
-            figure = draw_front([table, *beside])
+            of_runs = experiment.truth is not None
+            figure = draw_run_front(table) if of_runs else draw_front([table, *beside])
         elif asked.kind == "states":
             figure = draw_states([table, *beside])
         elif asked.kind == "slope":

@@ -9,12 +9,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from granstudy.front import families, fastest_within
+from granstudy.dataset import Status
+from granstudy.front import families, fastest_within, on_front
 from granstudy.look import MARKERS, METHOD_COLOURS, METHODS_FIRST, PANEL_HEIGHT, SYMBOLS, WIDTH
 
 COLUMNS = 2
 FRONT = "front: none is faster at that error"
 BASELINE = "baseline, and the fastest at its error"
+RUN_ERRORS = {
+    "largest_temperature_error": r"largest $|T/T_\mathrm{true} - 1|$",
+    "largest_a2_error": r"largest $|a_2 - a_{2,\mathrm{true}}|$",
+}
 
 
 def draw_front(tables: Sequence[xr.Dataset]) -> Figure:
@@ -59,6 +64,35 @@ def draw_front(tables: Sequence[xr.Dataset]) -> Figure:
     return figure
 
 
+def draw_run_front(table: xr.Dataset) -> Figure:
+    """Draw how long runs took against their errors of T and of a2, a panel each.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        From `granstudy.tables.experiment_table`, of runs beside a truth, with their seconds.
+
+    Raises
+    ------
+    ValueError
+        If the table does not have the seconds.
+    """
+    if "seconds" not in table:
+        raise ValueError(f"{table.attrs['title']}: a front needs table.seconds: true")
+    table = table.isel(run=np.flatnonzero(table["status"] == Status.OK))
+    figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 0.9), layout="constrained")
+    axes = figure.subplots(1, 2, sharey=True)
+    seconds = table["seconds"].values
+    for ax, (measure, label) in zip(axes, RUN_ERRORS.items(), strict=True):
+        error = table[measure].values
+        _lines(ax, families(table), error, seconds, on_front(seconds, error))
+        ax.set_xlabel(label)
+    axes[0].set_ylabel("time of the run (s)")
+    handles = _handles(set(families(table)))[:-1]  # no baseline
+    figure.legend(handles=handles, loc="outside lower center", ncols=4)
+    return figure
+
+
 def _timed_on_all_threads(table: xr.Dataset) -> list[int]:
     """Runs on the most threads that have numbers."""
     most = table["threads"] == table["threads"].max()
@@ -67,17 +101,24 @@ def _timed_on_all_threads(table: xr.Dataset) -> list[int]:
 
 def _panel(ax: Axes, table: xr.Dataset) -> None:
     """Draw the runs of a scene, the front through them, and what the baseline is beaten by."""
-    family = np.array(families(table))
     error, seconds = table["error"].values, table["seconds"].values
+    _lines(ax, families(table), error, seconds, table["front"].values)
+    _mark_baseline(ax, table)
+
+
+def _lines(
+    ax: Axes, names: list[str], error: np.ndarray, seconds: np.ndarray, best: np.ndarray
+) -> None:
+    """Draw a line for each family, and the front through the best runs."""
+    family = np.array(names)
     for name in sorted(set(family), key=lambda name: METHODS_FIRST[name]):
         own = np.flatnonzero(family == name)
         order = own[np.argsort(error[own])]
         ax.plot(error[order], seconds[order], linewidth=0.8, **_look(name))
-    front = np.flatnonzero(table["front"].values)
+    front = np.flatnonzero(best)
     front = front[np.argsort(error[front])]
     ax.plot(error[front], seconds[front], drawstyle="steps-post", **_front_look())
     ax.set(xscale="log", yscale="log")
-    _mark_baseline(ax, table)
 
 
 def _mark_baseline(ax: Axes, table: xr.Dataset) -> None:

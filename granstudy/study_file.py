@@ -221,6 +221,9 @@ class TableModel(_Model):
         list[str],
         Field(description="for states: other experiments, whose a2 (and T) stand beside theirs"),
     ] = []
+    seconds: Annotated[
+        bool, Field(description="beside a truth: how long every run took, which a front needs")
+    ] = False
 
 
 class FitModel(_Model):
@@ -286,6 +289,8 @@ class Experiment(_Model):
             )
         if self.truth is not None and self.run != "evolution":
             raise ValueError("truth: only evolution runs take it")
+        if self.table is not None and self.table.seconds and self.truth is None:
+            raise ValueError("table.seconds: stands beside errors of runs with a truth; give one")
         if self.figure is not None and self.figure.kind == "gallery" and self.truth is None:
             raise ValueError("figure.kind: a gallery shows runs beside their truth; give one")
         if self.timing is not None and self.run != "benchmark":

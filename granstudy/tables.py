@@ -85,6 +85,8 @@ def experiment_table(
         by_path = {path: file for path, _, file in paths}
         if experiment.truth is not None:
             table = _with_swept(truth_table(rows, by_path), rows)
+            if experiment.table is not None and experiment.table.seconds:
+                table = _with_seconds(table, rows)
         elif experiment.run == "evolution":
             table = _evolution(rows, experiment.table)
         elif experiment.run == "state":
@@ -273,6 +275,17 @@ def _with_haff(table: xr.Dataset, rows: Rows) -> xr.Dataset:
     return table
 
 
+def _with_seconds(table: xr.Dataset, rows: Rows) -> xr.Dataset:
+    """Add how long every run took."""
+    attributes = {"long_name": "wall time of the run, set-up included", "units": "s"}
+    seconds = [_seconds(file) for _, file in rows]
+    return table.assign(seconds=("run", seconds, attributes | {"format": ".3g"}))
+
+
+def _seconds(file: str) -> float:
+    return float(json.loads(Path(f"{file}.json").read_text())["duration_seconds"])
+
+
 def _with_slope(table: xr.Dataset, rows: Rows) -> xr.Dataset:
     """Add d ln T/d ln t of the last decade, its distance from Haff's law, and how long the run took."""
     found = []
@@ -282,8 +295,7 @@ def _with_slope(table: xr.Dataset, rows: Rows) -> xr.Dataset:
         at, slope = local_slope(time, T)
         late = slope[at > time[-1] / 10.0]
         law = -2.0 / run.scene.kernel.exponent
-        sidecar = json.loads(Path(f"{file}.json").read_text())
-        found.append((late.mean(), np.abs(late - law).max(), sidecar["duration_seconds"]))
+        found.append((late.mean(), np.abs(late - law).max(), _seconds(file)))
     long_names = {
         "slope": ("d ln T/d ln t, mean over the last decade of t", ".6f"),
         "slope_error": ("largest |d ln T/d ln t + 2/λ| in the last decade of t", ".1e"),
@@ -363,7 +375,7 @@ def _finish(table: xr.Dataset, experiment: "Experiment") -> xr.Dataset:
         "benchmark": [str(name) for name in table.data_vars],
     }[experiment.run]
     if experiment.truth is not None:
-        beside = list(COLUMNS)
+        beside = [*COLUMNS, "seconds"]
     names = [name for name in (*first, *beside, "status") if name in table]
     kept = ("swept", "quantity", "refined", "paper_quantity", "dim", "state", "beside", "truth")
     attributes = {key: table.attrs[key] for key in kept if key in table.attrs}

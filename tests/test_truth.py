@@ -209,6 +209,29 @@ def test_the_map_has_a_cell_for_each_run_coloured_by_its_label():
     assert [patch.get_linewidth() for patch in ax.patches] == [0.8, 2.0, 0.8, 0.8]
 
 
+def test_a_front_of_runs_shows_their_seconds_against_both_errors(study, made):
+    asked = study.model.experiments["law"]
+    timed = asked.model_copy(
+        update={
+            "table": asked.table.model_copy(update={"seconds": True}),
+            "figure": asked.figure.model_copy(update={"kind": "front"}),
+        }
+    )
+    plain, files = made["law"]
+    assert "seconds" not in plain
+    table = experiment_table(timed, study.runs["law"], files)
+    figure = draw(timed, table, files)
+    for ax, measure in zip(
+        figure.axes, ("largest_temperature_error", "largest_a2_error"), strict=True
+    ):
+        line = ax.lines[0]
+        order = np.argsort(table[measure].values)
+        np.testing.assert_array_equal(line.get_xdata(), table[measure].values[order])
+        np.testing.assert_array_equal(line.get_ydata(), table["seconds"].values[order])
+    with pytest.raises(ValueError, match="a front needs table.seconds: true"):
+        draw(timed, plain, files)
+
+
 @pytest.mark.parametrize(
     ("trust", "T", "a2", "status", "wrong"),
     [
@@ -240,6 +263,12 @@ def test_the_rule_of_labels(trust, T, a2, status, wrong):
         ("restitution: 0.5, epsilon", "restitution: {viscoelastic: 0.1}, epsilon", "constant e"),
         ("R: 10.0, N: 28", "R: 10.0, N: 2", "truth: N=2: must be an integer of at least 4"),
         ("  law:\n", "  map:\n", "experiments.map: is the name of the map's files"),
+        (
+            "    truth: {law: maxwell}\n    sweep:\n      - {epsilon: [0.1, 0.2], N: [8, 24], R: [9.0]}\n"
+            "    table: {quantity: largest_a2_error}\n    figure: {kind: gallery}",
+            "    sweep:\n      - {N: [24], R: [9.0]}\n    table: {quantity: a2, seconds: true}",
+            "table.seconds: stands beside errors of runs with a truth; give one",
+        ),
         ("    truth: {law: maxwell}\n", "", "figure.kind: a gallery shows runs beside their truth"),
     ],
 )
