@@ -13,7 +13,9 @@ rule table:
         study=STUDY_FILE,
         request=lambda wildcards: STUDY.model.experiments[
             wildcards.experiment
-        ].model_dump_json(include={"title", "state", "table", "fit", "reference", "truth"}),
+        ].model_dump_json(
+            include={"title", "state", "table", "fit", "reference", "truth"}
+        ),
         code=fingerprint(["granstudy.tables"]),
     message:
         "table {wildcards.experiment}"
