@@ -43,7 +43,7 @@ def growth_exponent(x: np.ndarray, cost: np.ndarray, least: float = 0.0) -> floa
 
 
 def local_slope(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """D ln y/d ln x between neighbouring points, and where: the geometric means of their x."""
+    """Slopes d ln y/d ln x between neighbouring points, and where: the geometric means of their x."""
     x = np.asarray(x, dtype=float)
     return np.sqrt(x[1:] * x[:-1]), np.diff(np.log(y)) / np.diff(np.log(x))
 

@@ -58,9 +58,8 @@ def draw_front(tables: Sequence[xr.Dataset]) -> Figure:
         ax.set_xlabel(SYMBOLS["error"])
     for ax in axes[:, 0]:
         ax.set_ylabel(SYMBOLS["seconds"])
-    figure.legend(
-        handles=_handles(shown), loc="outside lower center", ncols=3 if columns > 1 else 2
-    )
+    handles = [*_handles(shown), Line2D([], [], label=BASELINE, **_ring())]
+    figure.legend(handles=handles, loc="outside lower center", ncols=3 if columns > 1 else 2)
     return figure
 
 
@@ -88,8 +87,7 @@ def draw_run_front(table: xr.Dataset) -> Figure:
         _lines(ax, families(table), error, seconds, on_front(seconds, error))
         ax.set_xlabel(label)
     axes[0].set_ylabel("time of the run (s)")
-    handles = _handles(set(families(table)))[:-1]  # no baseline
-    figure.legend(handles=handles, loc="outside lower center", ncols=4)
+    figure.legend(handles=_handles(set(families(table))), loc="outside lower center", ncols=4)
     return figure
 
 
@@ -169,9 +167,8 @@ def _ring() -> dict[str, Any]:
 
 
 def _handles(shown: set[str]) -> list[Line2D]:
-    """Legend: the methods shown, the front, the baseline."""
+    """Legend: the methods shown, the front."""
     names = sorted(shown, key=lambda name: METHODS_FIRST[name])
     handles = [Line2D([], [], label=name, linewidth=0.8, **_look(name)) for name in names]
     handles.append(Line2D([], [], label=FRONT, **_front_look()))
-    handles.append(Line2D([], [], label=BASELINE, **_ring()))
     return handles

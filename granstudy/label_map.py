@@ -6,11 +6,10 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from granstudy.dataset import CONVENTIONS, Status, flag_word, write_dataset
+from granstudy.dataset import CONVENTIONS, Status, flag_word
 from granstudy.health import Trust
-from granstudy.tables import csv_table
+from granstudy.tables import write_table
 from granstudy.truth_table import run_text, telling_apart
-from granstudy.whole_file import write_whole
 
 TRUSTED_TEMPERATURE = 1e-2
 TRUSTED_A2 = 1e-2
@@ -115,9 +114,7 @@ def rule_line(table: xr.Dataset) -> str:
 
 def write_map(table: xr.Dataset, nc: str | Path, csv: str | Path, md: str | Path) -> None:
     """Write a map as NetCDF, CSV and Markdown, each whole or not at all."""
-    write_dataset(table, nc, sidecar=False)
-    write_whole(Path(csv), lambda partial: partial.write_text(csv_table(table)))
-    write_whole(Path(md), lambda partial: partial.write_text(markdown_map(table)))
+    write_table(table, nc, csv, md, markdown_map)
 
 
 def markdown_map(table: xr.Dataset) -> str:

@@ -3,7 +3,7 @@
 import csv
 import io
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -108,11 +108,17 @@ def experiment_table(
     return _finish(table, experiment)
 
 
-def write_table(table: xr.Dataset, nc: str | Path, csv: str | Path, md: str | Path) -> None:
+def write_table(
+    table: xr.Dataset,
+    nc: str | Path,
+    csv: str | Path,
+    md: str | Path,
+    markdown: Callable[[xr.Dataset], str] = markdown_table,
+) -> None:
     """Write a table as NetCDF, CSV and Markdown, each whole or not at all."""
     write_dataset(table, nc, sidecar=False)
     write_whole(Path(csv), lambda partial: partial.write_text(csv_table(table)))
-    write_whole(Path(md), lambda partial: partial.write_text(markdown_table(table)))
+    write_whole(Path(md), lambda partial: partial.write_text(markdown(table)))
 
 
 def csv_table(table: xr.Dataset) -> str:
