@@ -8,6 +8,7 @@ import xarray as xr
 
 from granstudy.dataset import CONVENTIONS, Status, flag_word
 from granstudy.health import Trust
+from granstudy.markdown import rows_text
 from granstudy.tables import write_table
 from granstudy.truth_table import run_text, telling_apart
 
@@ -136,5 +137,5 @@ def markdown_map(table: xr.Dataset) -> str:
         label = flag_word("trust", row["trust"]) + " (wrong)" * bool(row["wrong"])
         texts = [str(row[name].item()) for name in ("case", "configuration", "variation")]
         lines.append([*texts, *numbers, label])
-    rows = ["| " + " | ".join(cells) + " |" for cells in lines]
-    return "\n".join([f"# {table.attrs['title']}", "", rule_line(table), "", *rows]) + "\n"
+    title = f"# {table.attrs['title']}"
+    return "\n".join([title, "", rule_line(table), "", rows_text(lines)]) + "\n"

@@ -1,6 +1,7 @@
 """A table of runs as a Markdown table that people read."""
 
 from collections import Counter
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import xarray as xr
@@ -70,8 +71,13 @@ def markdown_table(table: xr.Dataset) -> str:
         header, lines = _long(table, swept)
         parameters = len(swept)
     rule = ["---" if i < parameters else "---:" for i in range(len(header))]
-    rows = ["| " + " | ".join(cells) + " |" for cells in (header, rule, *lines)]
-    return "\n".join([f"# {table.attrs['title']}", "", *rows, "", *_legend(table)]) + "\n"
+    rows = rows_text([header, rule, *lines])
+    return "\n".join([f"# {table.attrs['title']}", "", rows, "", *_legend(table)]) + "\n"
+
+
+def rows_text(rows: Iterable[Sequence[str]]) -> str:
+    """Rows of cells as the lines of a GitHub table."""
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in rows)
 
 
 def _shared_lines(table: xr.Dataset, swept: list[str]) -> bool:

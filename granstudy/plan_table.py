@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from granstudy.forecast import Forecast, plan
+from granstudy.markdown import rows_text
 from granstudy.run import Run
 from granstudy.study import Study
 from granstudy.whole_file import write_whole
@@ -58,7 +59,7 @@ def markdown(title: str, rows: list[Row]) -> str:
     largest = max(f.memory_mb for _, f in rows)
     totals = {"seconds": _shown(seconds), "memory_mb": str(largest)}
     lines.append(["**total**", *(totals.get(name, "") for name in COLUMNS)])
-    table = "\n".join("| " + " | ".join(cells) + " |" for cells in lines)
+    table = rows_text(lines)
     reasons = "\n".join(f"- {run}: {f.reason}" for run, f in rows if f.reason)
     legend = "Total seconds are of the runs one after the other, memory is the largest run's."
     return "\n\n".join(part for part in (f"# Plan: {title}", table, legend, reasons) if part) + "\n"
