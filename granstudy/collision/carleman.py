@@ -14,9 +14,10 @@ import numpy as np
 
 from granstudy.collision.carleman_scenes import check_scene
 from granstudy.collision.carleman_weights import Product, loss_profile, mirrored, products
+from granstudy.collision.fftw import BACKWARD, execute
 from granstudy.collision.operator import check_state
 from granstudy.collision.rules import directions
-from granstudy.collision.transforms import RealTransforms, largest_batch
+from granstudy.collision.transforms import RealTransforms
 from granstudy.collision.workers import SHARES, Workers
 from granstudy.grid import VelocityGrid
 from granstudy.quadrature import Rule, half
@@ -60,14 +61,11 @@ class CarlemanOperator:
         """Divide the products, and give every thread its buffers and transforms."""
         count = len(self._filters.odd)
         share = -(-count // SHARES)
-        largest = largest_batch(self.grid.N**self.grid.dim)
-        # Equal batches: no transform is spent on padding but in the last share.
-        self._batch = -(-share // -(-share // largest))
         bounds = [(start, min(start + share, count)) for start in range(0, count, share)]
         self._shares = list(enumerate(bounds))
-        self._gains = np.zeros((len(bounds), *self._shape))
-        self._single = RealTransforms(1, self._shape)
-        self._workers = Workers(threads, lambda: _Workspace(self._batch, self._shape))
+        self._gains = np.empty((len(bounds), *self._shape))
+        self._single = RealTransforms(self._shape)
+        self._workers = Workers(threads, lambda: _Workspace(self._shape))
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
         """Q(f,f) of a real density."""
@@ -79,11 +77,9 @@ class CarlemanOperator:
         f_hat /= f.size
         self._workers.map(lambda share, work: self._sum_share(f_hat, share, work), self._shares)
         Q = self._gains.sum(axis=0)
-        filter_modes(
-            f_hat, self._loss[None], NEITHER, 1, self._counts, self._starts, self._single.spectrum
-        )
+        filter_modes(f_hat, self._loss, False, 1, self._counts, self._starts, self._single.spectrum)
         self._single.execute_backward()
-        Q -= f * self._single.density[0]
+        Q -= f * self._single.density
         return Q.reshape(self.grid.shape)
 
     def _sum_share(
@@ -91,34 +87,28 @@ class CarlemanOperator:
     ) -> None:
         """The gain's sum over one share of the products."""
         index, (start, stop) = share
-        gain = self._gains[index].reshape(-1, self.grid.N)
-        gain[...] = 0.0
-        for first in range(start, stop, self._batch):
-            last = min(first + self._batch, stop)
-            odd = self._filters.odd[first:last]
-            for transforms, weights, turn in (
-                (work.of_l, self._filters.of_l, -1),
-                (work.of_m, self._filters.of_m, 1),
-            ):
-                filter_modes(
-                    f_hat,
-                    weights[first:last],
-                    odd,
-                    turn,
-                    self._counts,
-                    self._starts,
-                    transforms.spectrum,
-                )
-                transforms.execute_backward()
-            add_products(work.of_l.rows, work.of_m.rows, last - first, gain)
+        sum_products(
+            f_hat,
+            self._filters.of_l[start:stop],
+            self._filters.of_m[start:stop],
+            self._filters.odd[start:stop],
+            self._counts,
+            self._starts,
+            work.of_l.spectrum,
+            work.of_m.spectrum,
+            work.of_l.rows,
+            work.of_m.rows,
+            work.of_l.plans,
+            work.of_m.plans,
+            self._gains[index].reshape(-1, self.grid.N),
+        )
 
     def transform(self) -> None:
         """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
 
         def transform_share(share: tuple[int, tuple[int, int]], work: "_Workspace") -> None:
-            for _ in range(*share[1], self._batch):
-                work.of_l.execute_backward()
-                work.of_m.execute_backward()
+            start, stop = share[1]
+            transform(work.of_l.plans, work.of_m.plans, stop - start)
             work.of_l.spectrum[...] = 0.0
             work.of_m.spectrum[...] = 0.0
 
@@ -185,43 +175,59 @@ def tabulate(terms: list[Product], rule: Rule, modes: np.ndarray) -> Filters:
     return Filters(of_l.reshape(-1, len(modes)), of_m.reshape(-1, len(modes)), odd, loss)
 
 
-NEITHER = np.zeros(1, dtype=bool)
-"""Parity of a filter that is even."""
-
-
 @numba.njit(nogil=True, cache=True)
 def filter_modes(f_hat, weights, odd, turn, counts, starts, out):
-    """out[b] = weights[b] f̂ on the ball of modes, times i·turn where ``odd[b]``, and 0 elsewhere."""
+    """Out = weights f̂ on the ball of modes, times i·turn where ``odd``, and 0 elsewhere."""
     nx, ny, nz = f_hat.shape
-    for b in range(weights.shape[0]):
-        factor = turn * 1j if odd[b] else 1.0 + 0.0j
-        for i in range(nx):
-            for j in range(ny):
-                count = counts[i, j]
-                start = starts[i, j]
-                if odd[b]:
-                    for k in range(count):
-                        out[b, i, j, k] = factor * (weights[b, start + k] * f_hat[i, j, k])
-                else:
-                    for k in range(count):
-                        out[b, i, j, k] = weights[b, start + k] * f_hat[i, j, k]
-                for k in range(count, nz):
-                    out[b, i, j, k] = 0.0
+    factor = turn * 1j if odd else 1.0 + 0.0j
+    for i in range(nx):
+        for j in range(ny):
+            count = counts[i, j]
+            start = starts[i, j]
+            if odd:
+                for k in range(count):
+                    out[i, j, k] = factor * (weights[start + k] * f_hat[i, j, k])
+            else:
+                for k in range(count):
+                    out[i, j, k] = weights[start + k] * f_hat[i, j, k]
+            for k in range(count, nz):
+                out[i, j, k] = 0.0
 
 
 @numba.njit(nogil=True, cache=True, fastmath={"contract"})
-def add_products(first, second, count, total):
-    """Add first[b]·second[b], b < count, to total (n n', n); rows are padded by in-place transforms."""
+def add_product(first, second, total):
+    """Add first·second to total (n n', n); rows of both are padded by in-place transforms."""
     rows, n = total.shape
-    for b in range(count):
-        for j in range(rows):
-            for k in range(n):
-                total[j, k] += first[b, j, k] * second[b, j, k]
+    for j in range(rows):
+        for k in range(n):
+            total[j, k] += first[j, k] * second[j, k]
+
+
+@numba.njit(nogil=True, cache=True)
+def sum_products(
+    f_hat, of_l, of_m, odd, counts, starts, a_spectrum, b_spectrum, a, b, a_plans, b_plans, gain
+):
+    """Gain (n n', n) = Σ ab, where a and b are transformed from f̂ times the filters of l and of m."""
+    gain[:] = 0.0
+    for i in range(len(odd)):
+        filter_modes(f_hat, of_l[i], odd[i], -1, counts, starts, a_spectrum)
+        execute(a_plans, BACKWARD)
+        filter_modes(f_hat, of_m[i], odd[i], 1, counts, starts, b_spectrum)
+        execute(b_plans, BACKWARD)
+        add_product(a, b, gain)
+
+
+@numba.njit(nogil=True, cache=True)
+def transform(a_plans, b_plans, count):
+    """The transforms of so many products and nothing else, for benchmarks."""
+    for _ in range(count):
+        execute(a_plans, BACKWARD)
+        execute(b_plans, BACKWARD)
 
 
 class _Workspace:
-    """What one thread needs: a batch's transforms for either factor."""
+    """What one thread needs: transforms of either factor."""
 
-    def __init__(self, batch: int, shape: tuple[int, int, int]) -> None:
-        self.of_l = RealTransforms(batch, shape)
-        self.of_m = RealTransforms(batch, shape)
+    def __init__(self, shape: tuple[int, int, int]) -> None:
+        self.of_l = RealTransforms(shape)
+        self.of_m = RealTransforms(shape)

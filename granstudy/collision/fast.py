@@ -50,11 +50,11 @@ class NodalOperator:
         self.grid = grid
         self.gain = gain
         self.group = group
-        self._loss = loss
+        self._loss = loss.astype(np.complex128)  # as NumPy multiplies spectra fastest
         self._shape = (grid.N, grid.N if grid.dim == 3 else 1, grid.N)
-        self._single = RealTransforms(1, self._shape)
-        self._lost = RealTransforms(1, self._shape)
-        self._inner = self._single if gain.grid == grid else RealTransforms(1, gain.shape)
+        self._single = RealTransforms(self._shape)
+        self._lost = RealTransforms(self._shape)
+        self._inner = self._single if gain.grid == grid else RealTransforms(gain.shape)
         self.transforms = gain.transforms + serial_transforms(grid.N, gain.grid.N)
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
@@ -68,28 +68,33 @@ class NodalOperator:
         if self.gain.grid.N > self.grid.N:
             Q = self._single.backward(self._padded_spectrum(f_hat))
         else:
-            Q = self._loss_part(f, f_hat)
-            self._single.spectrum[0] = self._gain_spectrum(f, f_hat)
+            self._filter_loss(f_hat)
+            self._single.spectrum[...] = self._gain_spectrum(f, f_hat)
             self._single.execute_backward()
-            np.subtract(self._single.density[0], Q, out=Q)
+            Q = np.empty_like(f)
+            rows = (-1, self.grid.N)
+            kernels.subtract_loss(
+                self._single.rows, f.reshape(rows), self._lost.rows, Q.reshape(rows)
+            )
         # The loss has the symmetry already; with it, round-off that has not stays as small as it is.
         return self.group.symmetrise(Q.reshape(self.grid.shape))
 
     def loss(self, f: np.ndarray) -> np.ndarray:
         """Q⁻(f,f) alone."""
         wide = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
-        return self._loss_part(wide, self._spectrum(wide)).reshape(f.shape)
+        self._filter_loss(self._spectrum(wide))
+        return (wide * self._lost.density).reshape(f.shape)
 
     def _spectrum(self, f: np.ndarray) -> np.ndarray:
         """f̂ with Σ_k f̂_k e^{iπk·v/L} = f."""
-        self._single.density[0] = f
+        self._single.density[...] = f
         self._single.execute_forward()
-        return np.asarray(self._single.spectrum[0] * (1.0 / f.size))
+        return np.asarray(self._single.spectrum * (1.0 / f.size))
 
-    def _loss_part(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
-        np.multiply(self._loss, f_hat, out=self._lost.spectrum[0])
+    def _filter_loss(self, f_hat: np.ndarray) -> None:
+        """Make `_lost` the density that f is multiplied by in the loss."""
+        np.multiply(self._loss, f_hat, out=self._lost.spectrum)
         self._lost.execute_backward()
-        return f * self._lost.density[0]
 
     def _gain_spectrum(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
         n = self.gain.grid.N

@@ -17,7 +17,7 @@ import numpy as np
 
 from granstudy.collision import kernels
 from granstudy.collision.nodes import Nodes
-from granstudy.collision.transforms import REAL, RealTransforms, largest_batch
+from granstudy.collision.transforms import REAL, RealTransforms, aligned_zeros
 from granstudy.collision.variable_restitution import pair_series
 from granstudy.collision.weights import alpha, sphere_mean
 from granstudy.collision.workers import SHARES, Workers
@@ -81,52 +81,36 @@ class GainSum:
         self.shape = (grid.N, grid.N if grid.dim == 3 else 1, grid.N)
         self.shares = equal_shares(len(nodes)) if shares is None else list(shares)
         self.transforms = 2 * len(nodes)
-        longest = max((stop - start for start, stop in self.shares), default=1)
-        largest = largest_batch(grid.N**grid.dim, precision)
-        # Equal batches: no transform is spent on padding but in the last share.
-        self._batch = -(-longest // -(-longest // largest))
-        self._displacements = -nodes.vectors
         self._weights = nodes.weights / grid.N**grid.dim  # transforms are unnormalised
-        # A shell's sum is closed where the next node lies on another shell or in another share.
-        self._ends = np.zeros(len(nodes), dtype=bool)
-        self._ends[nodes.ends[: len(nodes)] - 1] = True
-        self._ends[[stop - 1 for _, stop in self.shares]] = True
-        self._starts = np.roll(self._ends, 1)
         k2, place = np.unique(grid.wavenumber_squared(half=True), return_inverse=True)
         self._place = place.reshape(grid.N, -1).astype(np.uint32)
-        self._accumulate = self._choose_weight(scene, k2)
+        self._f = aligned_zeros((place.size // (grid.N // 2 + 1), grid.N), self.real)
+        self._f_re, self._f_im = (aligned_zeros(self._place.shape, self.real) for _ in range(2))
+        self._gains = aligned_zeros(
+            (len(self.shares), *self.shape[:-1], grid.N // 2 + 1), np.complex128
+        )
+        self._sum = self._choose_weight(scene, k2)
         self._workers = Workers(
             min(threads, max(1, len(self.shares))),
-            lambda: _Workspace(self._batch, self.shape, precision),
+            lambda: _Workspace(self.shape, precision),
         )
 
     def parts(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
-        """The sum over each share, half spectra (shares, n, n', n/2+1).
+        """The sum over each share, half spectra (shares, n, n', n/2+1), until the next call.
 
         ``f`` has shape (n, n', n); ``f_hat`` is its half spectrum, Σ_k f̂_k e^{iπk·v/L} = f.
         """
-        f_rows = np.ascontiguousarray(f, dtype=self.real).reshape(-1, self.grid.N)
-        f_re, f_im = (
-            np.ascontiguousarray(part, dtype=self.real).reshape(self.grid.N, -1)
-            for part in (f_hat.real, f_hat.imag)
-        )
-        gains = np.empty((len(self.shares), *f_hat.shape), dtype=np.complex128)
-        views = gains.view(np.float64).reshape(len(self.shares), self.grid.N, -1)
+        self._f[...] = f.reshape(self._f.shape)
+        self._f_re[...] = f_hat.real.reshape(self._f_re.shape)
+        self._f_im[...] = f_hat.imag.reshape(self._f_im.shape)
 
         def sum_share(item: tuple[Bounds, np.ndarray], work: "_Workspace") -> None:
-            (start, stop), gain = item
-            gain[...] = 0.0
-            transforms = work.transforms
-            for first in range(start, stop, self._batch):
-                part = slice(first, min(first + self._batch, stop))
-                kernels.shift(f_re, f_im, self._displacements[part], transforms.parts)
-                transforms.execute_backward()
-                kernels.multiply(transforms.rows, f_rows)
-                transforms.execute_forward()
-                self._accumulate(work, part, gain)
+            bounds, gain = item
+            self._sum(slice(*bounds), work, gain)
 
+        views = self._gains.view(np.float64).reshape(len(self.shares), self.grid.N, -1)
         self._workers.map(sum_share, list(zip(self.shares, views, strict=True)))
-        return gains
+        return self._gains
 
     def total(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
         """The sum over all nodes, as `parts`."""
@@ -139,55 +123,61 @@ class GainSum:
         """Make the transforms of one sum on the same threads and nothing else, for benchmarks."""
 
         def transform_share(share: Bounds, work: "_Workspace") -> None:
-            for _ in range(*share, self._batch):
-                work.transforms.execute_backward()
-                work.transforms.execute_forward()
+            kernels.transform(work.transforms.plans, share[1] - share[0])
             work.transforms.spectrum[...] = 0.0
 
         self._workers.map(transform_share, self.shares)
 
-    def _choose_weight(
-        self, scene: Scene, k2: np.ndarray
-    ) -> Callable[["_Workspace", slice, np.ndarray], None]:
-        """The pairs' weight 2P: closed for a constant restitution, else a series."""
+    def _choose_weight(self, scene: Scene, k2: np.ndarray) -> Callable[..., None]:
+        """The compiled sum with the pairs' weight 2P: closed for a constant restitution, else a series."""
         nodes, grid = self.nodes, self.grid
         k = np.pi / grid.L * np.sqrt(k2)
         if callable(scene.restitution):
             series = pair_series(scene.restitution, grid.dim, nodes.radii, k)
             series *= nodes.measure[:, None, None]
-            return partial(self._accumulate_series, series, k2, np.pi / grid.L * nodes.radii)
+            return partial(self._sum_series, series, k2, np.pi / grid.L * nodes.radii)
         means = shell_means(scene.restitution, grid.dim, nodes, k)
-        return partial(self._accumulate_pairs, pair_shift(scene.restitution), means)
+        return partial(self._sum_pairs, pair_shift(scene.restitution), means)
 
-    def _accumulate_pairs(
-        self, beta: float, means: np.ndarray, work: "_Workspace", part: slice, gain: np.ndarray
+    def _sum_pairs(
+        self,
+        beta: float,
+        means: np.ndarray,
+        part: slice,
+        work: "_Workspace",
+        gain: np.ndarray,
     ) -> None:
-        kernels.accumulate_pairs(
-            work.transforms.parts,
+        kernels.sum_pairs(
+            self._f_re,
+            self._f_im,
+            self._f,
             self.nodes.vectors[part],
             self._weights[part],
             self.nodes.shells[part],
-            self._starts[part],
-            self._ends[part],
             beta,
             means,
             self._place,
+            work.transforms.parts,
+            work.transforms.rows,
+            work.transforms.plans,
             work.sum_re,
             work.sum_im,
             gain,
         )
 
-    def _accumulate_series(
+    def _sum_series(
         self,
         series: np.ndarray,
         k2: np.ndarray,
         radii: np.ndarray,
-        work: "_Workspace",
         part: slice,
+        work: "_Workspace",
         gain: np.ndarray,
     ) -> None:
-        kernels.accumulate_series(
-            work.transforms.parts,
+        kernels.sum_series(
+            self._f_re,
+            self._f_im,
+            self._f,
             self.nodes.vectors[part],
             self._weights[part],
             self.nodes.shells[part],
@@ -195,6 +185,9 @@ class GainSum:
             self._place,
             k2,
             radii,
+            work.transforms.parts,
+            work.transforms.rows,
+            work.transforms.plans,
             gain,
         )
 
@@ -219,9 +212,11 @@ def equal_shares(count: int) -> list[Bounds]:
 
 
 class _Workspace:
-    """What one thread needs: a batch's transforms and the sum over the shell it is in."""
+    """What one thread needs: transforms, and the sum over the shell it is in."""
 
-    def __init__(self, batch: int, shape: tuple[int, int, int], precision: str) -> None:
-        self.transforms = RealTransforms(batch, shape, precision)
+    def __init__(self, shape: tuple[int, int, int], precision: str) -> None:
+        self.transforms = RealTransforms(shape, precision)
         modes = shape[1] * (shape[2] // 2 + 1)
-        self.sum_re, self.sum_im = np.zeros((2, shape[0], modes), dtype=REAL[precision])
+        self.sum_re, self.sum_im = (
+            aligned_zeros((shape[0], modes), REAL[precision]) for _ in range(2)
+        )

@@ -1,4 +1,4 @@
-"""Compiled loops of the fast operator: shift, accumulate, close a shell (docs/method.md §2).
+"""Compiled loops of the fast operator: a share of the sum over nodes (docs/method.md §2).
 
 Spectra are stored as a real transform leaves them, (n, [n,] n/2+1), with all axes but the first as one.
 Phases e^{iπ k·x/L} are outer products of one-dimensional vectors, so no n^d phase array is formed, and
@@ -8,6 +8,8 @@ precision, and everything over the modes is in that of the spectra.
 
 import numba
 import numpy as np
+
+from granstudy.collision.fftw import BACKWARD, FORWARD, execute
 
 _compile = numba.njit(nogil=True, cache=True, fastmath={"contract", "nsz", "arcp", "reassoc"})
 
@@ -50,100 +52,190 @@ def phase_plane(gy, gz, scale, n, ny, re, im):
 
 
 @_compile
-def shift(f_re, f_im, displacements, out):
-    """out[b] = e^{i k·displacements[b]} f̂ : the density displaced by each vector of a batch.
+def shift(f_re, f_im, g, out):
+    """Out = e^{−i k·g} f̂, the density displaced by g.
 
-    ``f_re``, ``f_im`` (n, m), m = n'(n/2+1) with n' = n in three dimensions and 1 in two;
-    ``displacements`` (B, 3) in units L/π; ``out`` (≥B, n, 2m), real and imaginary parts in turn.
+    ``f_re``, ``f_im`` (n, m), m = n'(n/2+1) with n' = n in three dimensions and 1 in two; ``g`` (3,) in
+    units L/π; ``out`` (n, 2m), real and imaginary parts in turn.
     """
     n, m = f_re.shape
     ny = m // (n // 2 + 1)
     xr, xi = np.empty(n, out.dtype), np.empty(n, out.dtype)
     pr, pi = np.empty(m, out.dtype), np.empty(m, out.dtype)
-    for b in range(displacements.shape[0]):
-        phase_vector(displacements[b, 0], n, xr, xi)
-        phase_plane(displacements[b, 1], displacements[b, 2], 1.0, n, ny, pr, pi)
-        for i in range(n):
-            c, s = xr[i], xi[i]
-            # One long loop over split parts: what compilers turn into vector instructions.
-            for q in range(m):
-                phase_re = c * pr[q] - s * pi[q]
-                phase_im = c * pi[q] + s * pr[q]
-                out[b, i, 2 * q] = phase_re * f_re[i, q] - phase_im * f_im[i, q]
-                out[b, i, 2 * q + 1] = phase_re * f_im[i, q] + phase_im * f_re[i, q]
+    phase_vector(-g[0], n, xr, xi)
+    phase_plane(-g[1], -g[2], 1.0, n, ny, pr, pi)
+    for i in range(n):
+        c, s = xr[i], xi[i]
+        # One long loop over split parts: what compilers turn into vector instructions.
+        for q in range(m):
+            phase_re = c * pr[q] - s * pi[q]
+            phase_im = c * pi[q] + s * pr[q]
+            out[i, 2 * q] = phase_re * f_re[i, q] - phase_im * f_im[i, q]
+            out[i, 2 * q + 1] = phase_re * f_im[i, q] + phase_im * f_re[i, q]
 
 
 @_compile
-def multiply(densities, f):
-    """densities[b] *= f, rows (n n', n), for a batch whose rows are padded by an in-place transform."""
+def multiply(density, f):
+    """Density *= f, rows (n n', n), of which those of the density are padded by an in-place transform."""
     rows, n = f.shape
-    for b in range(densities.shape[0]):
-        for j in range(rows):
-            for k in range(n):
-                densities[b, j, k] *= f[j, k]
+    for j in range(rows):
+        for k in range(n):
+            density[j, k] *= f[j, k]
 
 
 @_compile
-def accumulate_pairs(
-    products, displacements, weights, shells, starts, ends, beta, means, place, sum_re, sum_im, gain
+def subtract_loss(gain, f, lost, Q):
+    """Q = gain − f·lost, rows (n n', n), those of gain and lost padded as in `multiply`."""
+    rows, n = f.shape
+    for j in range(rows):
+        for k in range(n):
+            Q[j, k] = gain[j, k] - f[j, k] * lost[j, k]
+
+
+@_compile
+def product(f_re, f_im, f, g, parts, rows, plans):
+    """The transform of f(v) f(v−g), left in ``parts`` (n, 2m), whose memory as density is ``rows``."""
+    shift(f_re, f_im, g, parts)
+    execute(plans, BACKWARD)
+    multiply(rows, f)
+    execute(plans, FORWARD)
+
+
+@_compile
+def transform(plans, count):
+    """The transforms of so many products and nothing else, for benchmarks."""
+    for _ in range(count):
+        execute(plans, BACKWARD)
+        execute(plans, FORWARD)
+
+
+@_compile
+def sum_pairs(
+    f_re,
+    f_im,
+    f,
+    vectors,
+    weights,
+    shells,
+    beta,
+    means,
+    place,
+    parts,
+    rows,
+    plans,
+    sum_re,
+    sum_im,
+    gain,
 ):
-    """Sum a batch of antipodal pairs ±g for constant e; where a shell ``ends``, add it to ``gain``.
+    """Gain = the sum over antipodal pairs ±g for constant e.
 
-    sum += weight · e^{i½k·g} · 2cos(βk·g) · products, where products is the transform of f(v) f(v−g).
-    The cosine times the half-shift is e^{i(½+β)k·g} + e^{i(½−β)k·g}, two outer products. The sum is from 0
-    where a shell ``starts``; at its end gain += means[shell, |k|²] · sum.
+    gain = Σ_shells mean(|k|²) Σ_pairs weight · e^{i½k·g} · 2cos(βk·g) · FFT[f(v) f(v−g)].
 
-    ``products`` (≥B, n, 2m), as `shift`'s output; ``displacements`` g (B, 3) in units L/π; ``weights``,
-    ``shells``, ``starts``, ``ends`` (B,); ``means`` (shells, distinct |k|²); ``place`` (n, m) of each
-    mode's |k|² in them; ``sum_re``, ``sum_im`` (n, m); ``gain`` (n, 2m).
+    ``f_re``, ``f_im`` (n, m) and ``f`` (n n', n): the density's half spectrum and values; ``vectors`` g
+    (B, 3) in units L/π; ``weights``, ``shells`` (B,); ``means`` (shells, distinct |k|²); ``place`` (n, m) of
+    each mode's |k|² in them; ``parts``, ``rows``, ``plans`` of a thread's transforms; ``sum_re``,
+    ``sum_im`` (n, m), work space; ``gain`` (n, 2m), real and imaginary parts in turn.
+    """
+    gain[:] = 0.0
+    last = len(vectors) - 1
+    opens = True
+    for b in range(last + 1):
+        product(f_re, f_im, f, vectors[b], parts, rows, plans)
+        closes = b == last or shells[b + 1] != shells[b]
+        add_pair(
+            parts,
+            vectors[b],
+            weights[b],
+            beta,
+            opens,
+            closes,
+            means[shells[b]],
+            place,
+            sum_re,
+            sum_im,
+            gain,
+        )
+        opens = closes
+
+
+@_compile
+def add_pair(parts, g, weight, beta, opens, closes, mean, place, sum_re, sum_im, gain):
+    """Add a pair to its shell's sum, which ``opens`` from 0 and is added to ``gain`` where it ``closes``.
+
+    The cosine times the half-shift is e^{i(½+β)k·g} + e^{i(½−β)k·g}, two outer products. A shell with
+    one pair needs no sum.
     """
     n, m = sum_re.shape
     ny = m // (n // 2 + 1)
-    xr, xi = np.empty((2, n), products.dtype), np.empty((2, n), products.dtype)
-    pr, pi = np.empty((2, m), products.dtype), np.empty((2, m), products.dtype)
-    for b in range(displacements.shape[0]):
-        for s in range(2):
-            factor = 0.5 + beta if s == 0 else 0.5 - beta
-            gx, gy, gz = displacements[b]
-            phase_vector(factor * gx, n, xr[s], xi[s])
-            phase_plane(factor * gy, factor * gz, weights[b], n, ny, pr[s], pi[s])
-        starting, ending, mean = starts[b], ends[b], means[shells[b]]
-        for i in range(n):
-            # Of a shell with one node no sum is kept: one row does, and stays in the cache.
-            r = 0 if starting and ending else i
-            if starting:
-                for q in range(m):
-                    sum_re[r, q] = 0.0
-                    sum_im[r, q] = 0.0
-            c0, s0, c1, s1 = xr[0, i], xi[0, i], xr[1, i], xi[1, i]
+    xr, xi = np.empty((2, n), parts.dtype), np.empty((2, n), parts.dtype)
+    pr, pi = np.empty((2, m), parts.dtype), np.empty((2, m), parts.dtype)
+    for s in range(2):
+        factor = 0.5 + beta if s == 0 else 0.5 - beta
+        phase_vector(factor * g[0], n, xr[s], xi[s])
+        phase_plane(factor * g[1], factor * g[2], weight, n, ny, pr[s], pi[s])
+    row_mean = np.empty(m, parts.dtype)
+    # Rows k_x and −k_x in turn: they have the same means.
+    for turn in range(n):
+        i = (turn + 1) // 2 if turn % 2 == 1 else -(turn // 2) % n
+        if closes and i <= n // 2:
+            spread_means(mean, place[i], n, ny, row_mean)
+        c0, s0, c1, s1 = xr[0, i], xi[0, i], xr[1, i], xi[1, i]
+        if opens and closes:
             for q in range(m):
                 weight_re = c0 * pr[0, q] - s0 * pi[0, q] + c1 * pr[1, q] - s1 * pi[1, q]
                 weight_im = c0 * pi[0, q] + s0 * pr[0, q] + c1 * pi[1, q] + s1 * pr[1, q]
-                re, im = products[b, i, 2 * q], products[b, i, 2 * q + 1]
-                sum_re[r, q] += weight_re * re - weight_im * im
-                sum_im[r, q] += weight_re * im + weight_im * re
-            if ending:
-                for q in range(m):
-                    value = mean[place[i, q]]
-                    gain[i, 2 * q] += value * sum_re[r, q]
-                    gain[i, 2 * q + 1] += value * sum_im[r, q]
+                re, im = row_mean[q] * parts[i, 2 * q], row_mean[q] * parts[i, 2 * q + 1]
+                gain[i, 2 * q] += weight_re * re - weight_im * im
+                gain[i, 2 * q + 1] += weight_re * im + weight_im * re
+            continue
+        if opens:
+            for q in range(m):
+                sum_re[i, q] = 0.0
+                sum_im[i, q] = 0.0
+        for q in range(m):
+            weight_re = c0 * pr[0, q] - s0 * pi[0, q] + c1 * pr[1, q] - s1 * pi[1, q]
+            weight_im = c0 * pi[0, q] + s0 * pr[0, q] + c1 * pi[1, q] + s1 * pr[1, q]
+            re, im = parts[i, 2 * q], parts[i, 2 * q + 1]
+            sum_re[i, q] += weight_re * re - weight_im * im
+            sum_im[i, q] += weight_re * im + weight_im * re
+        if closes:
+            for q in range(m):
+                gain[i, 2 * q] += row_mean[q] * sum_re[i, q]
+                gain[i, 2 * q + 1] += row_mean[q] * sum_im[i, q]
 
 
 @_compile
-def accumulate_series(products, displacements, weights, shells, series, place, k2, radii, gain):
-    """Sum a batch of antipodal pairs ±g for e(|g·ω|): their weight is a series in (k̂·ĝ)².
+def spread_means(mean, place, n, ny, row):
+    """Row (m,) = mean[place], gathered for k_y ≥ 0 and copied for k_y < 0."""
+    nz = n // 2 + 1
+    for j in range(ny):
+        if j <= ny // 2:
+            for k in range(nz):
+                row[j * nz + k] = mean[place[j * nz + k]]
+        else:
+            for k in range(nz):
+                row[j * nz + k] = row[(ny - j) * nz + k]
 
-    gain += weight · e^{i½k·g} · 2Σ_n series[shell, |k|², n] T_n(2(k̂·ĝ)²−1) · products, by Clenshaw's
-    recurrence. Shapes as in `accumulate_pairs`; ``k2`` holds the distinct |k|², ``radii`` the shells'
-    ρ in units L/π.
+
+@_compile
+def sum_series(
+    f_re, f_im, f, vectors, weights, shells, series, place, k2, radii, parts, rows, plans, gain
+):
+    """Gain = the sum over antipodal pairs ±g for e(|g·ω|): their weight is a series in (k̂·ĝ)².
+
+    gain = Σ_pairs weight · e^{i½k·g} · 2Σ_n series[shell, |k|², n] T_n(2(k̂·ĝ)²−1) · FFT[f(v) f(v−g)], by
+    Clenshaw's recurrence. Shapes as in `sum_pairs`; ``k2`` holds the distinct |k|², ``radii`` the
+    shells' ρ in units L/π.
     """
     n, m = place.shape
     nz = n // 2 + 1
     ny = m // nz
     xr, xi = np.empty(n), np.empty(n)
     pr, pi = np.empty(m), np.empty(m)
-    for b in range(displacements.shape[0]):
-        gx, gy, gz = displacements[b]
+    gain[:] = 0.0
+    for b in range(len(vectors)):
+        product(f_re, f_im, f, vectors[b], parts, rows, plans)
+        gx, gy, gz = vectors[b]
         phase_vector(0.5 * gx, n, xr, xi)
         phase_plane(0.5 * gy, 0.5 * gz, 2.0 * weights[b], n, ny, pr, pi)
         rho2 = radii[shells[b]] ** 2
@@ -164,7 +256,7 @@ def accumulate_series(products, displacements, weights, shells, series, place, k
                 value = 0.5 * t * now - before + coefficients[0]
                 weight_re = value * (xr[i] * pr[q] - xi[i] * pi[q])
                 weight_im = value * (xr[i] * pi[q] + xi[i] * pr[q])
-                re, im = products[b, i, 2 * q], products[b, i, 2 * q + 1]
+                re, im = parts[i, 2 * q], parts[i, 2 * q + 1]
                 gain[i, 2 * q] += weight_re * re - weight_im * im
                 gain[i, 2 * q + 1] += weight_re * im + weight_im * re
 

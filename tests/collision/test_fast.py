@@ -1,7 +1,6 @@
 """The fast operator against the direct one, and what holds exactly."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,7 +17,7 @@ from hypothesis import strategies as st
 from scipy.signal import fftconvolve
 
 import granstudy as gs
-from granstudy.collision import transforms
+from granstudy.collision import carleman, fast, gain, transforms
 from granstudy.collision.fast import fast_operator, gain_sum
 from granstudy.symmetry import apply
 
@@ -179,29 +178,26 @@ def test_single_precision_keeps_a_scenes_symmetry():
         assert np.array_equal(apply(h, Q), Q)
 
 
-class CountingFFTW:
-    """A plan that counts the single transforms it makes."""
-
-    made = 0
-
-    def __init__(self, first, second, **options):
-        self._plan = fast_FFTW(first, second, **options)
-        self._batch = len(first)
-
-    def execute(self):
-        type(self).made += self._batch
-        self._plan.execute()
-
-
-fast_FFTW = transforms.pyfftw.FFTW
-
-
 @pytest.fixture
 def counted(monkeypatch):
-    """Plans count what they make, one at a time: no batch is padded."""
-    counting = SimpleNamespace(FFTW=CountingFFTW, zeros_aligned=transforms.pyfftw.zeros_aligned)
-    monkeypatch.setattr(transforms, "pyfftw", counting)
-    monkeypatch.setattr(transforms, "BATCH_BYTES", 1)
+    """A function of how many transforms all plans have made since it was last called."""
+    planned, before = [], 0
+
+    class Counted(transforms.RealTransforms):
+        def __init__(self, *arguments):
+            super().__init__(*arguments)
+            planned.append(self)
+
+    for module in (fast, gain, carleman):
+        monkeypatch.setattr(module, "RealTransforms", Counted)
+
+    def count():
+        nonlocal before
+        total = sum(each.made for each in planned)
+        made, before = total - before, total
+        return made
+
+    return count
 
 
 def on_points(n):
@@ -211,9 +207,8 @@ def on_points(n):
     )
 
 
-@pytest.mark.usefixtures("counted")
 @pytest.mark.parametrize("n", [6, 8, 12, None])
-def test_the_bare_transforms_are_those_of_one_evaluation(monkeypatch, n):
+def test_the_bare_transforms_are_those_of_one_evaluation(counted, n):
     """With products on fewer, as many and more points, and by `carleman`."""
     scene = asymmetric_scene(2, restitution=1.0)
     solver = gs.Solver(N=8, R=5.0, N_rho=3, M_cir=10)
@@ -223,21 +218,19 @@ def test_the_bare_transforms_are_those_of_one_evaluation(monkeypatch, n):
         operator = fast_operator(scene, solver, on_points(n))
     f = scene.density(operator.grid)
     for make in (lambda: operator(f), operator.transform):
-        monkeypatch.setattr(CountingFFTW, "made", 0)
+        counted()
         make()
-        assert CountingFFTW.made == operator.transforms
+        assert counted() == operator.transforms
 
 
-@pytest.mark.usefixtures("counted")
 @pytest.mark.parametrize(("dim", "pairs"), [(2, 15), (3, 16)])
-def test_transforms_of_one_evaluation(monkeypatch, dim, pairs):
+def test_transforms_of_one_evaluation(counted, dim, pairs):
     solver = gs.Solver(N=8, R=5.0, N_rho=8, M_cir=30, M_sph=32)
     operator = gs.collision_operator(asymmetric_scene(dim), solver)
-    monkeypatch.setattr(CountingFFTW, "made", 0)
+    counted()
     operator(asymmetric_scene(dim).density(operator.grid))
     # a forward and a backward transform a pair; f̂, the gain's sum and the loss
-    assert CountingFFTW.made == 2 * 8 * pairs + 3
-    assert operator.transforms == CountingFFTW.made
+    assert counted() == operator.transforms == 2 * 8 * pairs + 3
     # half of what every node apart would take
     literal = gs.Solver(N=8, R=5.0, N_rho=8, M_cir=30, M_sph=32, method="literal")
     assert 2 * (operator.transforms - 3) == (

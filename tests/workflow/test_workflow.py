@@ -109,9 +109,7 @@ def test_a_study_from_nothing_to_figures_and_what_edits_rerun(project):
     edit(project / "granstudy/figures.py", "\n\n\ndef ", "\n\nUNUSED = 1\n\n\ndef ")
     assert planned(project) == {"all", "figure"}
     # The operator these runs do not use: still only that figure.
-    edit(
-        project / "granstudy/collision/transforms.py", "BATCH_BYTES = 2**17", "BATCH_BYTES = 2**16"
-    )
+    edit(project / "granstudy/collision/transforms.py", "CACHE_LINE = 64", "CACHE_LINE = 128")
     assert planned(project) == {"all", "figure"}
     # The one they use: everything.
     edit(project / "granstudy/collision/literal.py", "BATCH = 2**15", "BATCH = 2**14")

@@ -1,0 +1,84 @@
+"""FFTW's real transforms of a buffer, planned here and executed by compiled loops.
+
+pyfftw executes a plan by a call of Python's, for which threads wait for each other's interpreter. FFTW, as
+pyfftw ships it, is called here by name from what Numba compiles, so that a thread sums its share of the
+nodes without one.
+"""
+
+import ctypes
+import weakref
+from collections.abc import Sequence
+
+import llvmlite.binding
+import numba
+import numpy as np
+import pyfftw
+from numba.core import types
+
+FORWARD, BACKWARD, SINGLE, MADE = range(4)
+"""What an array of plans holds: two addresses, whether they are FFTW's of single precision, and how many
+transforms they have made."""
+
+PREFIX = {np.dtype(np.float64): "fftw", np.dtype(np.float32): "fftwf"}
+"""Of the names of FFTW's functions."""
+
+FLAGS = 64 | 1
+"""FFTW_ESTIMATE | FFTW_DESTROY_INPUT: the other planners give different bits from process to process, and
+gain little."""
+
+_library = ctypes.PyDLL(pyfftw.pyfftw.__file__)  # keeps Python's lock: one thread at a time plans
+for _prefix in PREFIX.values():
+    getattr(_library, f"{_prefix}_make_planner_thread_safe")()  # for pyfftw plans without that lock
+    _execute = ctypes.cast(getattr(_library, f"{_prefix}_execute"), ctypes.c_void_p)
+    llvmlite.binding.add_symbol(f"granstudy_{_prefix}_execute", _execute.value)
+
+_signature = types.void(types.uintp)
+_execute_double = types.ExternalFunction("granstudy_fftw_execute", _signature)
+_execute_single = types.ExternalFunction("granstudy_fftwf_execute", _signature)
+
+
+@numba.njit(nogil=True, cache=True)
+def execute(plans, direction):
+    """Make a transform, `FORWARD` or `BACKWARD`, of the buffer that ``plans`` are of."""
+    plans[MADE] += 1
+    if plans[SINGLE]:
+        _execute_single(plans[direction])
+    else:
+        _execute_double(plans[direction])
+
+
+def plan_in_place(spectrum: np.ndarray, nz: int) -> np.ndarray:
+    """Plans of real transforms in place of a half spectrum (n, n', nz/2+1), of all axes longer than 1.
+
+    The buffer has to live as long as they do.
+    """
+    real = spectrum.real.dtype
+    half = spectrum.shape
+    axes = [axis for axis, length in enumerate(half) if length > 1]
+    points = _integers([(*half[:-1], nz)[axis] for axis in axes])
+    padded = _integers([(*half[:-1], 2 * half[-1])[axis] for axis in axes])
+    modes = _integers([half[axis] for axis in axes])
+    buffer = ctypes.c_void_p(spectrum.ctypes.data)
+    plans = np.zeros(4, dtype=np.uintp)
+    plans[SINGLE] = real.itemsize == 4
+    for direction, kind, before, after in (
+        (FORWARD, "r2c", padded, modes),
+        (BACKWARD, "c2r", modes, padded),
+    ):
+        make = getattr(_library, f"{PREFIX[real]}_plan_many_dft_{kind}")
+        make.restype = ctypes.c_void_p
+        # One transform of these axes: strides 1, no distance between several.
+        plan = make(
+            len(axes), points, 1, buffer, before, 1, 0, buffer, after, 1, 0, ctypes.c_uint(FLAGS)
+        )
+        plans[direction] = plan
+        weakref.finalize(plans, _destroy, PREFIX[real], plan)
+    return plans
+
+
+def _destroy(prefix: str, plan: int) -> None:
+    getattr(_library, f"{prefix}_destroy_plan")(ctypes.c_void_p(plan))
+
+
+def _integers(values: Sequence[int]) -> ctypes.Array[ctypes.c_int]:
+    return (ctypes.c_int * len(values))(*values)
