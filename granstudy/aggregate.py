@@ -47,13 +47,15 @@ ABSENT: dict[str, Any] = {
 Where = str | Path | Iterable[str | Path]
 
 
-def open_runs(where: Where) -> xr.Dataset:
+def open_runs(where: Where, densities: bool = True) -> xr.Dataset:
     """Open runs lazily as one dataset over ``run``.
 
     Parameters
     ----------
     where : str, Path or iterable of them
         A folder (all runs under it, references left out), a glob pattern, or the files themselves.
+    densities : bool
+        Whether with the densities, if any were kept; without them runs of all grids go into one array.
 
     Returns
     -------
@@ -75,7 +77,7 @@ def open_runs(where: Where) -> xr.Dataset:
     final_values : the last time of every run, for runs that differ in dt.
     unstack_runs : from ``run`` to an array over (e, N, variant, ...).
     """
-    runs = _open(where, lambda ds: ds)
+    runs = _open(where, (lambda ds: ds) if densities else _without_densities)
     if "time" in runs.dims and "dt" in runs.coords and np.unique(runs["dt"]).size > 1:
         raise ValueError(
             f"dt: the runs have steps {np.unique(runs['dt']).tolist()} and so no common times; "
@@ -83,7 +85,10 @@ def open_runs(where: Where) -> xr.Dataset:
         )
     if VELOCITY_AXES & set(runs.dims) and any(np.unique(runs[key]).size > 1 for key in ("N", "R")):
         grids = sorted(set(zip(runs["N"].values.tolist(), runs["R"].values.tolist(), strict=True)))
-        raise ValueError(f"N, R: the runs have velocity grids {grids}; open one grid at a time")
+        raise ValueError(
+            f"N, R: the runs have velocity grids {grids}; open one grid at a time, "
+            "or with densities=False"
+        )
     return runs
 
 
@@ -193,8 +198,13 @@ def _labelled(ds: xr.Dataset) -> xr.Dataset:
     return ds.assign_coords({name: ("run", value[np.newaxis]) for name, value in scalars.items()})
 
 
+def _without_densities(ds: xr.Dataset) -> xr.Dataset:
+    return ds.drop_dims(({"snapshot"} | VELOCITY_AXES) & set(ds.dims))
+
+
 def _at_last_time(ds: xr.Dataset) -> xr.Dataset:
-    ds = ds.drop_dims(({"snapshot"} | VELOCITY_AXES | OF_STATES) & set(ds.dims))
+    ds = _without_densities(ds)
+    ds = ds.drop_dims(OF_STATES & set(ds.dims))
     if "time" not in ds.dims:
         return ds
     if ds.sizes["time"] == 0:  # diverged before its first moments

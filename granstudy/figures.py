@@ -235,7 +235,7 @@ def _cooling(table: xr.Dataset, run_files: list[str]) -> Figure:
     figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 0.4), layout="constrained")
     left, right = figure.subplots(1, 2)
     names = _distinguishing(table, table.attrs["swept"].split())
-    with open_runs(run_files) as runs:
+    with open_runs(run_files, densities=False) as runs:
         time, T = runs["time"].values, runs["temperature"].values
     for i in range(table.sizes["run"]):
         colour = COLOURS[i % len(COLOURS)]

@@ -23,7 +23,7 @@ def draw_slope(table: xr.Dataset, run_files: list[str]) -> Figure:
     figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 1.0), layout="constrained")
     left, right = figure.subplots(1, 2)
     law = -2.0 / float(table["exponent"])
-    with open_runs(run_files) as runs:
+    with open_runs(run_files, densities=False) as runs:
         time, T = runs["time"].values[1:], runs["temperature"].values[:, 1:]
     gases = list(dict.fromkeys(table["e"].values.tolist()))
     seen = dict.fromkeys(gases, 0)

@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
+import numba
 import numpy as np
 
 from granstudy.errors import unknown_name
@@ -109,23 +110,22 @@ class Symmetry:
         """(1/|G|) Σ_{h∈G} h·f, summed once an orbit of points, so that the result is exactly symmetric."""
         if len(self) == 1:
             return f
-        images, orbit = self._orbits(f.shape)
-        means = f.take(images).sum(axis=0) / len(self)
-        return means.take(orbit).reshape(f.shape)
+        result = np.empty(f.size, dtype=f.dtype)
+        _average(np.ravel(f), self._orbits(f.shape), result)
+        return result.reshape(f.shape)
 
-    def _orbits(self, shape: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
-        """Of one point an orbit its images, (|G|, orbits), and of every point its orbit; kept."""
-        cache: dict[tuple[int, ...], tuple[np.ndarray, np.ndarray]]
+    def _orbits(self, shape: tuple[int, ...]) -> np.ndarray:
+        """Flat indices of the images of one point an orbit, (|G|, orbits); kept."""
+        cache: dict[tuple[int, ...], np.ndarray]
         cache = self.__dict__.setdefault("_orbit_cache", {})
         if shape not in cache:
-            index = np.arange(np.prod(shape)).reshape(shape)
+            index = np.arange(np.prod(shape), dtype=np.uint32).reshape(shape)
             elements = sorted(self.elements, key=triplet)
             first = index
             for h in elements:
                 first = np.minimum(first, apply(h, index))
-            points, orbit = np.unique(first, return_inverse=True)
-            images = np.stack([apply(h, index).ravel()[points] for h in elements])
-            cache[shape] = images, orbit.ravel()
+            points = np.unique(first)
+            cache[shape] = np.stack([apply(h, index).ravel()[points] for h in elements])
         return cache[shape]
 
     def check(self, f: np.ndarray, what: str) -> None:
@@ -159,6 +159,19 @@ class Symmetry:
             images = np.stack([apply(h, index).ravel()[points] for h in self.generators])
             cache[shape] = points, images
         return cache[shape]
+
+
+@numba.njit(nogil=True, cache=True)
+def _average(f, images, result):
+    """The mean over each orbit, at all of its points."""
+    count, orbits = images.shape
+    means = np.zeros(orbits, f.dtype)
+    for h in range(count):
+        for orbit in range(orbits):
+            means[orbit] += f[images[h, orbit]]
+    for h in range(count):
+        for orbit in range(orbits):
+            result[images[h, orbit]] = means[orbit] / count
 
 
 def stabiliser(group: Symmetry, vector: Iterable[float]) -> Symmetry:

@@ -132,6 +132,8 @@ def test_densities_on_different_grids_do_not_go_into_one_array(tmp_path):
     with pytest.raises(ValueError, match=r"velocity grids \[\(8, 7.8\), \(16, 7.8\)\]"):
         gs.open_runs(tmp_path)
     assert gs.final_values(tmp_path)["temperature"].sizes == {"run": 2}
+    moments = gs.open_runs(tmp_path, densities=False)
+    assert moments["temperature"].sizes == {"run": 2, "time": 3} and "f" not in moments
     assert gs.open_runs([tmp_path / "N~8.nc"])["f"].dims == ("run", "snapshot", "vx", "vy")
 
 
