@@ -169,9 +169,10 @@ def _average(f, images, result):
     for h in range(count):
         for orbit in range(orbits):
             means[orbit] += f[images[h, orbit]]
+    means /= count
     for h in range(count):
         for orbit in range(orbits):
-            result[images[h, orbit]] = means[orbit] / count
+            result[images[h, orbit]] = means[orbit]
 
 
 def stabiliser(group: Symmetry, vector: Iterable[float]) -> Symmetry:
