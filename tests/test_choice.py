@@ -56,7 +56,7 @@ def test_only_fast_keeps_single_precision():
 def test_direct_is_for_grids_so_small_that_it_is_the_cheapest():
     scene = asymmetric_scene(2, 0, HARD, 0.5)
     fine = {"R": 8.0, "M_cir": 96, "method": "auto"}
-    assert gs.choose(scene, gs.Solver(N=8, **fine)).solver.method == "direct"
+    assert gs.choose(scene, gs.Solver(N=4, **fine)).solver.method == "direct"
     assert gs.choose(scene, gs.Solver(N=32, **fine)).solver.method == "fast"
 
 
