@@ -37,6 +37,11 @@ CACHED_POINTS = 2**16
 OUT_OF_CACHE = 1.4
 """How much longer a point takes in real transforms of more points than a core's cache holds."""
 
+FAST_SIZES = (12, 20)
+UNEVEN = 2.2
+"""How much longer a point takes in real transforms of other sizes than these and powers of two: FFTW's
+estimated plans of 24 points a dimension take longer than those of 32."""
+
 SERIES_FACTOR = {2: 5.5, 3: 5.0}
 """How much longer `fast` takes where e depends on the impact speed."""
 
@@ -219,13 +224,17 @@ def evaluation_seconds(
     call = SECONDS_PER_CALL[solver.method]
     if solver.method == "radial":
         return call + solver.N**3 * SECONDS_PER_TERM
-    points = (solver.product_points if n is None else n) ** scene.dim
+    n = solver.product_points if n is None else n
+    points = n**scene.dim
     if solver.method == "direct":
         shells = SHELLS[scene.dim] * solver.N**2
         return call + shells * SECONDS_PER_SHELL + points**2 * SECONDS_PER_PAIR
     each = SECONDS_PER_TRANSFORM[solver.method]
-    larger = OUT_OF_CACHE if points > CACHED_POINTS and solver.method != "literal" else 1.0
-    each += SECONDS_PER_POINT[solver.method] * larger * points * math.log2(points)
+    slower = 1.0
+    if solver.method != "literal":
+        slower *= OUT_OF_CACHE if points > CACHED_POINTS else 1.0
+        slower *= 1.0 if n in FAST_SIZES or n.bit_count() == 1 else UNEVEN
+    each += SECONDS_PER_POINT[solver.method] * slower * points * math.log2(points)
     if solver.method == "fast" and callable(scene.restitution):
         each *= SERIES_FACTOR[scene.dim]
     if solver.precision == "single":
