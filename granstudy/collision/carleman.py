@@ -14,7 +14,7 @@ import numpy as np
 
 from granstudy.collision.carleman_scenes import check_scene
 from granstudy.collision.carleman_weights import Product, loss_profile, mirrored, products
-from granstudy.collision.fftw import BACKWARD, execute
+from granstudy.collision.fftw import BACKWARD, alternate, execute
 from granstudy.collision.operator import check_state
 from granstudy.collision.rules import directions
 from granstudy.collision.transforms import RealTransforms
@@ -108,7 +108,7 @@ class CarlemanOperator:
 
         def transform_share(share: tuple[int, tuple[int, int]], work: "_Workspace") -> None:
             start, stop = share[1]
-            transform(work.of_l.plans, work.of_m.plans, stop - start)
+            alternate(work.of_l.plans, BACKWARD, work.of_m.plans, BACKWARD, stop - start)
             work.of_l.spectrum[...] = 0.0
             work.of_m.spectrum[...] = 0.0
 
@@ -215,14 +215,6 @@ def sum_products(
         filter_modes(f_hat, of_m[i], odd[i], 1, counts, starts, b_spectrum)
         execute(b_plans, BACKWARD)
         add_product(a, b, gain)
-
-
-@numba.njit(nogil=True, cache=True)
-def transform(a_plans, b_plans, count):
-    """The transforms of so many products and nothing else, for benchmarks."""
-    for _ in range(count):
-        execute(a_plans, BACKWARD)
-        execute(b_plans, BACKWARD)
 
 
 class _Workspace:

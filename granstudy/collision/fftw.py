@@ -47,6 +47,14 @@ def execute(plans, direction):
         _execute_double(plans[direction])
 
 
+@numba.njit(nogil=True, cache=True)
+def alternate(first, first_direction, second, second_direction, count):
+    """Make so many pairs of transforms and nothing else, for benchmarks."""
+    for _ in range(count):
+        execute(first, first_direction)
+        execute(second, second_direction)
+
+
 def plan_in_place(spectrum: np.ndarray, nz: int) -> np.ndarray:
     """Plans of real transforms in place of a half spectrum (n, n', nz/2+1), of all axes longer than 1.
 

@@ -15,7 +15,7 @@ from typing import Protocol
 
 import numpy as np
 
-from granstudy.collision import kernels
+from granstudy.collision import fftw, kernels
 from granstudy.collision.nodes import Nodes
 from granstudy.collision.transforms import REAL, RealTransforms, aligned_zeros
 from granstudy.collision.variable_restitution import pair_series
@@ -84,7 +84,7 @@ class GainSum:
         self._weights = nodes.weights / grid.N**grid.dim  # transforms are unnormalised
         k2, place = np.unique(grid.wavenumber_squared(half=True), return_inverse=True)
         self._place = place.reshape(grid.N, -1).astype(np.uint32)
-        self._f = aligned_zeros((place.size // (grid.N // 2 + 1), grid.N), self.real)
+        self._f = aligned_zeros((grid.N * self.shape[1], grid.N), self.real)
         self._f_re, self._f_im = (aligned_zeros(self._place.shape, self.real) for _ in range(2))
         self._gains = aligned_zeros(
             (len(self.shares), *self.shape[:-1], grid.N // 2 + 1), np.complex128
@@ -123,7 +123,8 @@ class GainSum:
         """Make the transforms of one sum on the same threads and nothing else, for benchmarks."""
 
         def transform_share(share: Bounds, work: "_Workspace") -> None:
-            kernels.transform(work.transforms.plans, share[1] - share[0])
+            plans = work.transforms.plans
+            fftw.alternate(plans, fftw.BACKWARD, plans, fftw.FORWARD, share[1] - share[0])
             work.transforms.spectrum[...] = 0.0
 
         self._workers.map(transform_share, self.shares)
@@ -140,30 +141,10 @@ class GainSum:
         return partial(self._sum_pairs, pair_shift(scene.restitution), means)
 
     def _sum_pairs(
-        self,
-        beta: float,
-        means: np.ndarray,
-        part: slice,
-        work: "_Workspace",
-        gain: np.ndarray,
+        self, beta: float, means: np.ndarray, part: slice, work: "_Workspace", gain: np.ndarray
     ) -> None:
-        kernels.sum_pairs(
-            self._f_re,
-            self._f_im,
-            self._f,
-            self.nodes.vectors[part],
-            self._weights[part],
-            self.nodes.shells[part],
-            beta,
-            means,
-            self._place,
-            work.transforms.parts,
-            work.transforms.rows,
-            work.transforms.plans,
-            work.sum_re,
-            work.sum_im,
-            gain,
-        )
+        share = self._share(part, work, gain)
+        kernels.sum_pairs(beta, means, work.sum_re, work.sum_im, *share)
 
     def _sum_series(
         self,
@@ -174,21 +155,15 @@ class GainSum:
         work: "_Workspace",
         gain: np.ndarray,
     ) -> None:
-        kernels.sum_series(
-            self._f_re,
-            self._f_im,
-            self._f,
-            self.nodes.vectors[part],
-            self._weights[part],
-            self.nodes.shells[part],
-            series,
-            self._place,
-            k2,
-            radii,
-            work.transforms.parts,
-            work.transforms.rows,
-            work.transforms.plans,
-            gain,
+        kernels.sum_series(series, k2, radii, *self._share(part, work, gain))
+
+    def _share(self, part: slice, work: "_Workspace", gain: np.ndarray) -> tuple[np.ndarray, ...]:
+        """What the sum over a part of the nodes takes, whatever their weight is."""
+        nodes, transforms = self.nodes, work.transforms
+        return (
+            *(self._f_re, self._f_im, self._f),
+            *(nodes.vectors[part], self._weights[part], nodes.shells[part], self._place),
+            *(transforms.parts, transforms.rows, transforms.plans, gain),
         )
 
 

@@ -102,39 +102,31 @@ def product(f_re, f_im, f, g, parts, rows, plans):
 
 
 @_compile
-def transform(plans, count):
-    """The transforms of so many products and nothing else, for benchmarks."""
-    for _ in range(count):
-        execute(plans, BACKWARD)
-        execute(plans, FORWARD)
-
-
-@_compile
 def sum_pairs(
+    beta,
+    means,
+    sum_re,
+    sum_im,
     f_re,
     f_im,
     f,
     vectors,
     weights,
     shells,
-    beta,
-    means,
     place,
     parts,
     rows,
     plans,
-    sum_re,
-    sum_im,
     gain,
 ):
     """Gain = the sum over antipodal pairs ±g for constant e.
 
     gain = Σ_shells mean(|k|²) Σ_pairs weight · e^{i½k·g} · 2cos(βk·g) · FFT[f(v) f(v−g)].
 
-    ``f_re``, ``f_im`` (n, m) and ``f`` (n n', n): the density's half spectrum and values; ``vectors`` g
-    (B, 3) in units L/π; ``weights``, ``shells`` (B,); ``means`` (shells, distinct |k|²); ``place`` (n, m) of
-    each mode's |k|² in them; ``parts``, ``rows``, ``plans`` of a thread's transforms; ``sum_re``,
-    ``sum_im`` (n, m), work space; ``gain`` (n, 2m), real and imaginary parts in turn.
+    ``means`` (shells, distinct |k|²); ``sum_re``, ``sum_im`` (n, m), work space; ``f_re``, ``f_im`` (n, m)
+    and ``f`` (n n', n), the density's half spectrum and values; ``vectors`` g (B, 3) in units L/π;
+    ``weights``, ``shells`` (B,); ``place`` (n, m) of each mode's |k|² among the distinct ones; ``parts``,
+    ``rows``, ``plans`` of a thread's transforms; ``gain`` (n, 2m), real and imaginary parts in turn.
     """
     gain[:] = 0.0
     last = len(vectors) - 1
@@ -156,6 +148,15 @@ def sum_pairs(
             gain,
         )
         opens = closes
+
+
+@_compile
+def pair_weight(c0, s0, c1, s1, pr, pi, q):
+    """Real and imaginary part of (c0 + i·s0)(pr + i·pi)[0] + (c1 + i·s1)(pr + i·pi)[1] at mode q."""
+    return (
+        c0 * pr[0, q] - s0 * pi[0, q] + c1 * pr[1, q] - s1 * pi[1, q],
+        c0 * pi[0, q] + s0 * pr[0, q] + c1 * pi[1, q] + s1 * pr[1, q],
+    )
 
 
 @_compile
@@ -182,8 +183,7 @@ def add_pair(parts, g, weight, beta, opens, closes, mean, place, sum_re, sum_im,
         c0, s0, c1, s1 = xr[0, i], xi[0, i], xr[1, i], xi[1, i]
         if opens and closes:
             for q in range(m):
-                weight_re = c0 * pr[0, q] - s0 * pi[0, q] + c1 * pr[1, q] - s1 * pi[1, q]
-                weight_im = c0 * pi[0, q] + s0 * pr[0, q] + c1 * pi[1, q] + s1 * pr[1, q]
+                weight_re, weight_im = pair_weight(c0, s0, c1, s1, pr, pi, q)
                 re, im = row_mean[q] * parts[i, 2 * q], row_mean[q] * parts[i, 2 * q + 1]
                 gain[i, 2 * q] += weight_re * re - weight_im * im
                 gain[i, 2 * q + 1] += weight_re * im + weight_im * re
@@ -193,8 +193,7 @@ def add_pair(parts, g, weight, beta, opens, closes, mean, place, sum_re, sum_im,
                 sum_re[i, q] = 0.0
                 sum_im[i, q] = 0.0
         for q in range(m):
-            weight_re = c0 * pr[0, q] - s0 * pi[0, q] + c1 * pr[1, q] - s1 * pi[1, q]
-            weight_im = c0 * pi[0, q] + s0 * pr[0, q] + c1 * pi[1, q] + s1 * pr[1, q]
+            weight_re, weight_im = pair_weight(c0, s0, c1, s1, pr, pi, q)
             re, im = parts[i, 2 * q], parts[i, 2 * q + 1]
             sum_re[i, q] += weight_re * re - weight_im * im
             sum_im[i, q] += weight_re * im + weight_im * re
@@ -219,7 +218,7 @@ def spread_means(mean, place, n, ny, row):
 
 @_compile
 def sum_series(
-    f_re, f_im, f, vectors, weights, shells, series, place, k2, radii, parts, rows, plans, gain
+    series, k2, radii, f_re, f_im, f, vectors, weights, shells, place, parts, rows, plans, gain
 ):
     """Gain = the sum over antipodal pairs ±g for e(|g·ω|): their weight is a series in (k̂·ĝ)².
 

@@ -10,8 +10,8 @@ from granstudy.collision import fftw
 REAL: dict[str, np.dtype[Any]] = {"double": np.dtype(np.float64), "single": np.dtype(np.float32)}
 """Real numbers of each precision (`Solver.precision`)."""
 
-
 CACHE_LINE = 64
+"""Bytes."""
 
 
 def aligned_zeros(shape: tuple[int, ...], dtype: Any) -> np.ndarray:
