@@ -1,23 +1,23 @@
 """granstudy: parameter studies of granular gases with the fast Fourier spectral method."""
 
-from granstudy.aggregate import final_values, open_runs, unstack_runs
-from granstudy.choice import choose
 from granstudy.collision import CollisionOperator, collision_operator
-from granstudy.collision.plan import QuadraturePlan
-from granstudy.dataset import read_dataset, write_dataset
-from granstudy.evolve import simulate
-from granstudy.forecast import Forecast, plan
-from granstudy.grid import VelocityGrid
-from granstudy.kernel import VHS, Viscoelastic, hard_spheres, maxwell
-from granstudy.moments import moments
-from granstudy.physical import physical_density
-from granstudy.radial_grid import RadialGrid
-from granstudy.resolution import fit_solver
-from granstudy.scene import Scene, load_scene
-from granstudy.solver import Choice, Solver
-from granstudy.stability import stability_limit
-from granstudy.states import cooling_state, heated_state
-from granstudy.symmetry import Symmetry
+from granstudy.collision.choice.cheapest import choose
+from granstudy.collision.choice.grid import fit_solver
+from granstudy.collision.fast.adaptive.plan import QuadraturePlan
+from granstudy.datasets.open_runs import final_values, open_runs, unstack_runs
+from granstudy.datasets.run_dataset import read_dataset, write_dataset
+from granstudy.evolution.evolve import simulate
+from granstudy.evolution.forecast import Forecast, plan
+from granstudy.evolution.frames.physical import physical_density
+from granstudy.evolution.stability import stability_limit
+from granstudy.model.kernel import VHS, Viscoelastic, hard_spheres, maxwell
+from granstudy.model.scene import Scene, load_scene
+from granstudy.model.solver import Choice, Solver
+from granstudy.states.solve import cooling_state, heated_state
+from granstudy.velocity.cartesian import VelocityGrid
+from granstudy.velocity.moments import moments
+from granstudy.velocity.radial import RadialGrid
+from granstudy.velocity.symmetry import Symmetry
 
 __all__ = [
     "VHS",

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from granstudy.physical import physical_density
+from granstudy.evolution.frames.physical import physical_density
 
 
 def thermal_profile(ds: xr.Dataset) -> tuple[np.ndarray, np.ndarray] | None:

@@ -4,9 +4,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from granstudy.aggregate import open_runs
-from granstudy.fits import local_slope
-from granstudy.look import COLOURS, PANEL_HEIGHT, SYMBOLS, WIDTH
+from granstudy.analysis.figures.style import COLOURS, PANEL_HEIGHT, SYMBOLS, WIDTH
+from granstudy.analysis.tables.fits import local_slope
+from granstudy.datasets.open_runs import open_runs
 
 ASKED = 1e-3
 """The distance from −2/λ that the local slope is asked to come to."""

@@ -21,4 +21,4 @@ def cache(tmp_path_factory):
 @pytest.fixture
 def exact_sinc(monkeypatch):
     """`literal` and the circular `direct` without the paper's shift of sinc, an error of 1e-8."""
-    monkeypatch.setattr("granstudy.sphere.PAPER_SHIFT", 0.0)
+    monkeypatch.setattr("granstudy.velocity.sphere.PAPER_SHIFT", 0.0)

@@ -4,7 +4,7 @@ import array_api_strict
 import numpy as np
 import pytest
 
-from granstudy.collision.device import Device, find_gpu
+from granstudy.collision.fast.gpu.device import Device, find_gpu
 
 MEMORY = 2**26
 

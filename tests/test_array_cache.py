@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from granstudy.array_cache import ABANDONED, cache_folder, cached_array
+from granstudy.support.cache import ABANDONED, cache_folder, cached_array
 
 ARRAY = np.arange(3000.0).reshape(60, 50)
 

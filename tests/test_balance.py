@@ -6,7 +6,7 @@ from comparison import asymmetric_scene
 
 import granstudy as gs
 from granstudy import theory
-from granstudy.balance import CollisionRates, RatesAt
+from granstudy.trust.pair_rates import CollisionRates, RatesAt
 
 
 def maxwellian(dim, exponent, restitution, temperature=1.0):
@@ -112,7 +112,7 @@ def test_a_run_that_keeps_energy_computes_them_once(monkeypatch, restitution):
             made.append(given)
             super().__init__(*given)
 
-    monkeypatch.setattr("granstudy.balance.CollisionRates", Counted)
+    monkeypatch.setattr("granstudy.trust.pair_rates.CollisionRates", Counted)
     solver = gs.Solver(N=16, R=8.0, N_rho=4, M_cir=4)
     scene = gs.load_scene("bkw2d", restitution=restitution)
     gs.simulate(scene, solver, t_final=0.2, dt=0.1, conserve=("mass", "energy"), progress=False)

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from granstudy.benchmark import benchmark
+from granstudy.analysis.tables.markdown import markdown_table
+from granstudy.analysis.tables.table import csv_table, experiment_table
 from granstudy.collision import collision_operator
-from granstudy.dataset import Status, write_dataset
-from granstudy.markdown import markdown_table
-from granstudy.scene import load_scene
-from granstudy.solver import Solver
-from granstudy.study import load_study
-from granstudy.tables import csv_table, experiment_table
-from granstudy.timing import peak_memory_mb
+from granstudy.datasets.run_dataset import Status, write_dataset
+from granstudy.model.scene import load_scene
+from granstudy.model.solver import Solver
+from granstudy.study.benchmark.benchmark import benchmark
+from granstudy.study.benchmark.timing import peak_memory_mb
+from granstudy.study.study import load_study
 
 STUDY = """
 title: speed
@@ -27,7 +27,7 @@ experiments:
 
 
 def test_every_method_is_timed_beside_literal_and_its_transforms(tmp_path, monkeypatch):
-    monkeypatch.setattr("granstudy.timing.LEAST_SECONDS", 0.0)
+    monkeypatch.setattr("granstudy.study.benchmark.timing.LEAST_SECONDS", 0.0)
     (tmp_path / "speed.yaml").write_text(STUDY)
     runs = list(load_study(tmp_path / "speed.yaml").runs["speed"].values())
     ds = benchmark(runs, threads=1)
@@ -60,7 +60,7 @@ experiments:
 @pytest.fixture
 def front(tmp_path, monkeypatch):
     """A benchmark with a reference: its study and its dataset."""
-    monkeypatch.setattr("granstudy.timing.LEAST_SECONDS", 0.0)
+    monkeypatch.setattr("granstudy.study.benchmark.timing.LEAST_SECONDS", 0.0)
     (tmp_path / "front.yaml").write_text(FRONT)
     study = load_study(tmp_path / "front.yaml")
     return study, benchmark(list(study.runs["front"].values()), threads=2)

@@ -7,9 +7,9 @@ import pytest
 from comparison import asymmetric_scene
 
 import granstudy as gs
-from granstudy.execute import execute
-from granstudy.jobs import run_key
-from granstudy.study import load_study
+from granstudy.study.execute import execute
+from granstudy.study.jobs import run_key
+from granstudy.study.study import load_study
 
 HARD, MAXWELL = 1.0, 0.0
 

@@ -5,10 +5,10 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from granstudy.dataset import Status
-from granstudy.health import Trust
-from granstudy.label_map import breaks_rule
-from granstudy.study import load_study
+from granstudy.analysis.tables.map import breaks_rule
+from granstudy.datasets.run_dataset import Status
+from granstudy.study.study import load_study
+from granstudy.trust.health import Trust
 
 REPOSITORY = Path(__file__).parents[1]
 MAP = pd.read_csv(REPOSITORY / "results/hard/tables/map.csv")

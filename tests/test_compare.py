@@ -1,7 +1,7 @@
 import pandas as pd
 import pytest
 
-from granstudy.compare import Grade, compare_tables, main
+from granstudy.analysis.compare import Grade, compare_tables, main
 
 TABLE = pd.DataFrame(
     {

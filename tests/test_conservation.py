@@ -5,8 +5,8 @@ import pytest
 
 import granstudy as gs
 from granstudy.collision import collision_operator
-from granstudy.conservation import projection
-from granstudy.representation import collisions, representation
+from granstudy.evolution.conservation import projection
+from granstudy.evolution.unknowns import collisions, representation
 
 SCENE = gs.load_scene("double_well2d", restitution=0.5, diffusion=0.0)
 STARVED = {"N": 24, "R": 8.0, "N_rho": 8, "M_cir": 6}

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import granstudy as gs
-from granstudy.whole_file import write_whole
+from granstudy.support.files import write_whole
 
 RUN = """
 import sys

@@ -6,10 +6,10 @@ from comparison import assert_order
 
 import granstudy as gs
 from granstudy import theory
-from granstudy.fits import fit_haff, fit_order
-from granstudy.fixed_frame import FixedFrame
-from granstudy.representation import collisions, representation
-from granstudy.schemes import rk3_step
+from granstudy.analysis.tables.fits import fit_haff, fit_order
+from granstudy.evolution.frames.fixed import FixedFrame
+from granstudy.evolution.schemes import rk3_step
+from granstudy.evolution.unknowns import collisions, representation
 
 
 def small(**overrides):

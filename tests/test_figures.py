@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 
 import granstudy as gs
-from granstudy.figures import PAPER, draw, save_figure
-from granstudy.study_file import Experiment
+from granstudy.analysis.figures.figure import PAPER, draw, save_figure
+from granstudy.study.schema.file import Experiment
 
 
 def experiment(kind, x=None):

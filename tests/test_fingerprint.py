@@ -4,8 +4,8 @@ import shutil
 
 import pytest
 
-from granstudy import fingerprint as module
-from granstudy.fingerprint import fingerprint, run_fingerprint
+from granstudy.support import fingerprint as module
+from granstudy.support.fingerprint import fingerprint, run_fingerprint
 
 METHODS = ["literal", "direct", "fast", "radial"]
 
@@ -113,15 +113,18 @@ def test_design_points_count_as_code(package):
 
 def test_figures_and_tables_are_apart_from_runs_and_from_each_other(package):
     before = all_fingerprints()
-    tables, figures = fingerprint(["granstudy.tables"]), fingerprint(["granstudy.figures"])
+    tables, figures = (
+        fingerprint(["granstudy.analysis.tables.table"]),
+        fingerprint(["granstudy.analysis.figures.figure"]),
+    )
     edited(package / "look.py", "WIDTH = 8.0", "WIDTH = 9.0")
     assert changed(before) == set()
-    assert fingerprint(["granstudy.tables"]) == tables
-    assert fingerprint(["granstudy.figures"]) != figures
+    assert fingerprint(["granstudy.analysis.tables.table"]) == tables
+    assert fingerprint(["granstudy.analysis.figures.figure"]) != figures
     edited(package / "collision" / "fast.py", "import ", "import math, ")
-    assert fingerprint(["granstudy.tables"]) == tables
+    assert fingerprint(["granstudy.analysis.tables.table"]) == tables
     edited(package / "markdown.py", "fitted order", "order")
-    assert fingerprint(["granstudy.tables"]) != tables
+    assert fingerprint(["granstudy.analysis.tables.table"]) != tables
     assert changed(before) == {("evolution", "fast"), ("collision", "fast")}
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from granstudy.fits import fit_haff, fit_order, local_slope
+from granstudy.analysis.tables.fits import fit_haff, fit_order, local_slope
 from granstudy.theory import haff_temperature
 
 

@@ -4,8 +4,8 @@ import pytest
 from comparison import asymmetric_scene
 
 import granstudy as gs
-from granstudy.plan_table import write_plan
-from granstudy.study import load_study
+from granstudy.analysis.tables.plan import write_plan
+from granstudy.study.study import load_study
 
 SMALL = {"N": 12, "R": 5.0, "N_rho": 6, "M_cir": 8, "M_sph": 12, "threads": 1}
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from granstudy.fits import growth_exponent
-from granstudy.front import families, fastest_within, on_front
-from granstudy.front_figure import draw_front
+from granstudy.analysis.figures.front import draw_front
+from granstudy.analysis.tables.fits import growth_exponent
+from granstudy.study.benchmark.front import families, fastest_within, on_front
 
 SECONDS = np.array([1.0, 2.0, 0.5, 4.0, np.nan, 0.5])
 ERROR = np.array([1e-2, 1e-3, 1e-1, 1e-3, 1e-9, 1e-1])

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import granstudy as gs
-from granstudy import health
-from granstudy.health import Trust, verdict
-from granstudy.truth import errors, maxwell_truth
+from granstudy.trust import health
+from granstudy.trust.health import Trust, verdict
+from granstudy.trust.truth import errors, maxwell_truth
 
 LAWS = {
     "hard spheres": {"kernel": gs.hard_spheres(3), "restitution": 0.2, "diffusion": 0.0},

@@ -2,10 +2,11 @@
 
 import pytest
 
-from granstudy import execute, read_dataset
-from granstudy.dataset import write_dataset
-from granstudy.jobs import JOB_SECONDS, jobs, run_key
-from granstudy.study import load_study
+from granstudy import read_dataset
+from granstudy.datasets.run_dataset import write_dataset
+from granstudy.study import execute
+from granstudy.study.jobs import JOB_SECONDS, jobs, run_key
+from granstudy.study.study import load_study
 
 STUDY = """
 title: test

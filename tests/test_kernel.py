@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import granstudy as gs
-from granstudy.kernel import check_restitution, sphere_area
+from granstudy.model.kernel import check_restitution, sphere_area
 
 
 def test_kernels_of_the_paper():

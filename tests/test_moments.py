@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import granstudy as gs
-from granstudy.moments import LONG_NAMES
+from granstudy.velocity.moments import LONG_NAMES
 
 
 @pytest.mark.parametrize("dim", [2, 3])

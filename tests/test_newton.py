@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from granstudy import newton as module
-from granstudy.newton import newton
+from granstudy.states import newton as module
+from granstudy.states.newton import newton
 
 
 class Circle:

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import granstudy as gs
-from granstudy.moments import LONG_NAMES
+from granstudy.velocity.moments import LONG_NAMES
 
 
 def bkw(dim):

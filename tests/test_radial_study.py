@@ -5,8 +5,8 @@ import json
 import pytest
 
 import granstudy as gs
-from granstudy.execute import execute
-from granstudy.study import load_study
+from granstudy.study.execute import execute
+from granstudy.study.study import load_study
 
 STUDY = """
 title: cooling

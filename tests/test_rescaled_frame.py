@@ -8,10 +8,14 @@ import pytest
 import granstudy as gs
 from granstudy import theory
 from granstudy.collision import collision_operator
-from granstudy.kernel import sphere_area
-from granstudy.representation import collisions, representation
-from granstudy.rescaled_frame import RescaledFrame, balance
-from granstudy.scaled_restitution import SPACING, InterpolatedCollisions, ScaledRestitution
+from granstudy.evolution.frames.rescaled import RescaledFrame, balance
+from granstudy.evolution.frames.scaled_collisions import (
+    SPACING,
+    InterpolatedCollisions,
+    ScaledRestitution,
+)
+from granstudy.evolution.unknowns import collisions, representation
+from granstudy.model.kernel import sphere_area
 
 RADIAL = gs.Solver(N=28, R=8.0, method="radial")
 
@@ -210,7 +214,7 @@ def test_q_is_interpolated_in_the_scale_at_order_four(monkeypatch):
     spacings = np.array([1.0, 0.5, SPACING])
     errors = []
     for spacing in spacings:
-        monkeypatch.setattr("granstudy.scaled_restitution.SPACING", spacing)
+        monkeypatch.setattr("granstudy.evolution.frames.scaled_collisions.SPACING", spacing)
         scale = float(np.exp(-0.5 * spacing))
         scaled = replace(scene, restitution=ScaledRestitution(scene.restitution, scale))
         exact = collision_operator(scaled, solver)(f)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import granstudy as gs
-from granstudy.scene import INITIAL_DENSITIES, scene_names
+from granstudy.model.scene import INITIAL_DENSITIES, scene_names
 
 TEMPERATURES = {"double_well2d": 1.425, "three_gaussians3d": 0.97916666666666667}
 """T0 where it is not 1 (docs/method.md §6); double_well3d's follows from its formula."""

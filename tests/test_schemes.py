@@ -5,7 +5,7 @@ import pytest
 from comparison import assert_order
 
 import granstudy as gs
-from granstudy.schemes import SCHEMES, phi
+from granstudy.evolution.schemes import SCHEMES, phi
 
 
 class Riccati:

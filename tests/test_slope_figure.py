@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import granstudy as gs
-from granstudy.execute import execute
-from granstudy.figures import draw
-from granstudy.fits import local_slope
-from granstudy.study import load_study
-from granstudy.tables import experiment_table
+from granstudy.analysis.figures.figure import draw
+from granstudy.analysis.tables.fits import local_slope
+from granstudy.analysis.tables.table import experiment_table
+from granstudy.study.execute import execute
+from granstudy.study.study import load_study
 
 STUDY = """
 title: decades

@@ -7,18 +7,18 @@ import numpy as np
 import pytest
 
 import granstudy as gs
-from granstudy import fingerprint as module
 from granstudy import theory
-from granstudy.execute import execute
-from granstudy.figures import draw
-from granstudy.fingerprint import run_fingerprint
-from granstudy.health import Trust
-from granstudy.jobs import run_key
-from granstudy.markdown import markdown_table
-from granstudy.plan_table import study_forecasts
-from granstudy.state_figure import NOT_TRUSTED, UNIT
-from granstudy.study import load_study
-from granstudy.tables import csv_table, experiment_table, write_table
+from granstudy.analysis.figures.figure import draw
+from granstudy.analysis.figures.states import NOT_TRUSTED, UNIT
+from granstudy.analysis.tables.markdown import markdown_table
+from granstudy.analysis.tables.plan import study_forecasts
+from granstudy.analysis.tables.table import csv_table, experiment_table, write_table
+from granstudy.study.execute import execute
+from granstudy.study.jobs import run_key
+from granstudy.study.study import load_study
+from granstudy.support import fingerprint as module
+from granstudy.support.fingerprint import run_fingerprint
+from granstudy.trust.health import Trust
 
 STUDY = """
 title: states

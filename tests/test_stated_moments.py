@@ -5,9 +5,9 @@ import pytest
 from scipy.integrate import quad
 
 import granstudy as gs
-from granstudy.kernel import sphere_area
-from granstudy.scene import scene_names
-from granstudy.stated_moments import of_gaussians
+from granstudy.model.kernel import sphere_area
+from granstudy.model.scene import scene_names
+from granstudy.model.stated_moments import of_gaussians
 
 ISOTROPIC = ["bkw2d", "bkw3d"] + [
     f"{name}{dim}d" for name in ("maxwellian", "uniform_ball", "power_law") for dim in (2, 3)

@@ -9,9 +9,9 @@ import pytest
 import granstudy as gs
 from granstudy import theory
 from granstudy.collision import collision_operator
-from granstudy.kernel import sphere_area
-from granstudy.newton import newton
-from granstudy.steady_equation import SteadyEquation
+from granstudy.model.kernel import sphere_area
+from granstudy.states.equation import SteadyEquation
+from granstudy.states.newton import newton
 
 RADIAL = gs.Solver(N=32, R=10.0, method="radial")
 

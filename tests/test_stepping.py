@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import granstudy as gs
-from granstudy.schemes import SCHEMES
-from granstudy.stepping import AdaptiveSteps, StoppedError
+from granstudy.evolution.schemes import SCHEMES
+from granstudy.evolution.steps import AdaptiveSteps, StoppedError
 
 SCENE = gs.load_scene("bkw3d", kernel=gs.hard_spheres(3), restitution=0.2, diffusion=0.01)
 SOLVER = gs.Solver(N=20, R=7.0, method="radial")

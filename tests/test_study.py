@@ -2,8 +2,8 @@
 
 import pytest
 
-from granstudy.run import canonical
-from granstudy.study import load_study
+from granstudy.study.run import canonical
+from granstudy.study.study import load_study
 
 STUDY = """
 title: test

@@ -4,7 +4,16 @@ import numpy as np
 import pytest
 
 import granstudy as gs
-from granstudy.symmetry import NAMED, TOLERANCE, Symmetry, apply, compose, move, stabiliser, triplet
+from granstudy.velocity.symmetry import (
+    NAMED,
+    TOLERANCE,
+    Symmetry,
+    apply,
+    compose,
+    move,
+    stabiliser,
+    triplet,
+)
 
 ORDERS = {
     "none": (1, 1),

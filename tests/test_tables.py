@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import granstudy as gs
-from granstudy.execute import execute_job
-from granstudy.figures import draw, save_figure
-from granstudy.jobs import run_key
-from granstudy.study import load_study
-from granstudy.tables import experiment_table, write_table
+from granstudy.analysis.figures.figure import draw, save_figure
+from granstudy.analysis.tables.table import experiment_table, write_table
+from granstudy.study.execute import execute_job
+from granstudy.study.jobs import run_key
+from granstudy.study.study import load_study
 
 STUDY = """
 title: tiny

@@ -7,16 +7,16 @@ from matplotlib.colors import to_rgba
 
 import granstudy as gs
 from granstudy import theory
-from granstudy.dataset import Status
-from granstudy.execute import execute_job
-from granstudy.figures import draw, save_figure
-from granstudy.health import Trust
-from granstudy.jobs import run_key
-from granstudy.label_map import breaks_rule, label_map, write_map
-from granstudy.label_map_figure import LABEL_COLOURS, draw_map
-from granstudy.study import load_study
-from granstudy.tables import experiment_table, write_table
-from granstudy.truth import errors, maxwell_truth, truth_of_dataset
+from granstudy.analysis.figures.figure import draw, save_figure
+from granstudy.analysis.figures.map import LABEL_COLOURS, draw_map
+from granstudy.analysis.tables.map import breaks_rule, label_map, write_map
+from granstudy.analysis.tables.table import experiment_table, write_table
+from granstudy.datasets.run_dataset import Status
+from granstudy.study.execute import execute_job
+from granstudy.study.jobs import run_key
+from granstudy.study.study import load_study
+from granstudy.trust.health import Trust
+from granstudy.trust.truth import errors, maxwell_truth, truth_of_dataset
 
 STUDY = """
 title: tiny

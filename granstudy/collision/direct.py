@@ -17,12 +17,12 @@ from granstudy.collision.operator import check_state
 from granstudy.collision.rules import converged_radial, radial_nodes
 from granstudy.collision.variable_restitution import mean_phase
 from granstudy.collision.weights import SphereMean, alpha, loss_weight, radial_measure
-from granstudy.grid import VelocityGrid
-from granstudy.kernel import sphere_area
+from granstudy.model.kernel import sphere_area
+from granstudy.model.scene import Scene
+from granstudy.model.solver import Solver
 from granstudy.quadrature import Rule
-from granstudy.scene import Scene
-from granstudy.solver import Solver
-from granstudy.sphere import paper_sphere_mean, sphere_mean
+from granstudy.velocity.cartesian import VelocityGrid
+from granstudy.velocity.sphere import paper_sphere_mean, sphere_mean
 
 DEGREE = 5
 """Degree of the piecewise polynomials in |m−αk| that tabulate the gain weight."""

@@ -8,15 +8,15 @@ pairing or fusion.
 import numpy as np
 import pyfftw
 
+from granstudy.collision.fourier.threads import SHARES, Workers
 from granstudy.collision.operator import check_state
 from granstudy.collision.rules import directions, radial_nodes
 from granstudy.collision.variable_restitution import mean_gain
 from granstudy.collision.weights import alpha, loss_weight, radial_measure
-from granstudy.collision.workers import SHARES, Workers
-from granstudy.grid import VelocityGrid
-from granstudy.scene import Scene
-from granstudy.solver import Solver
-from granstudy.sphere import paper_sphere_mean
+from granstudy.model.scene import Scene
+from granstudy.model.solver import Solver
+from granstudy.velocity.cartesian import VelocityGrid
+from granstudy.velocity.sphere import paper_sphere_mean
 
 BATCH = 2**15
 """Grid points transformed together: small grids take several nodes at a time."""

@@ -5,24 +5,24 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 
-from granstudy.grid import VelocityGrid
-from granstudy.kernel import check_restitution
-from granstudy.scene import Scene
-from granstudy.solver import Choice, Solver
-from granstudy.velocity_space import VelocitySpace
+from granstudy.model.kernel import check_restitution
+from granstudy.model.scene import Scene
+from granstudy.model.solver import Choice, Solver
+from granstudy.velocity.cartesian import VelocityGrid
+from granstudy.velocity.space import VelocitySpace
 
 if TYPE_CHECKING:
-    from granstudy.collision.plan import QuadraturePlan
+    from granstudy.collision.fast.adaptive.plan import QuadraturePlan
 
 OPERATORS = {
     "literal": ("granstudy.collision.literal", "LiteralOperator"),
     "direct": ("granstudy.collision.direct", "DirectOperator"),
-    "radial": ("granstudy.collision.radial", "RadialOperator"),
-    "carleman": ("granstudy.collision.carleman", "CarlemanOperator"),
-    "fast": ("granstudy.collision.fast", "fast_operator"),
-    "adaptive": ("granstudy.collision.adaptive", "AdaptiveOperator"),
-    "fast on gpu": ("granstudy.collision.on_gpu", "fast_on_gpu"),
-    "adaptive on gpu": ("granstudy.collision.on_gpu", "adaptive_on_gpu"),
+    "radial": ("granstudy.collision.radial.operator", "RadialOperator"),
+    "carleman": ("granstudy.collision.carleman.operator", "CarlemanOperator"),
+    "fast": ("granstudy.collision.fast.operator", "fast_operator"),
+    "adaptive": ("granstudy.collision.fast.adaptive.operator", "AdaptiveOperator"),
+    "fast on gpu": ("granstudy.collision.fast.gpu.operator", "fast_on_gpu"),
+    "adaptive on gpu": ("granstudy.collision.fast.gpu.operator", "adaptive_on_gpu"),
 }
 """Module and maker of the operator behind each method; imported only where a method is used, so that a
 run loads, and is fingerprinted by, no other method's code."""
@@ -85,10 +85,10 @@ def concrete(scene: Scene, solver: Solver) -> Choice:
         If it asks for a GPU and there is none, or none that can model the scene.
     """
     if solver.device == "gpu":  # here, before any work
-        import_module("granstudy.collision.on_gpu").check(scene)
+        import_module("granstudy.collision.fast.gpu.operator").check(scene)
     if not solver.is_open:
         return Choice(solver, solver, "")
-    choice: Choice = import_module("granstudy.choice").choose(scene, solver)
+    choice: Choice = import_module("granstudy.collision.choice.cheapest").choose(scene, solver)
     return choice
 
 

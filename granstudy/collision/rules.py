@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from granstudy.grid import VelocityGrid
+from granstudy.model.scene import Scene
+from granstudy.model.solver import Solver
 from granstudy.quadrature import Rule, circle_rule, half, radial_rule, sphere_rule
 from granstudy.quadrature.orbits import invariance, representatives
-from granstudy.scene import Scene
-from granstudy.solver import Solver
-from granstudy.symmetry import Symmetry
+from granstudy.velocity.cartesian import VelocityGrid
+from granstudy.velocity.symmetry import Symmetry
 
 
 def radial_nodes(scene: Scene, solver: Solver) -> Rule:

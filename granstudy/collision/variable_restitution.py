@@ -12,7 +12,7 @@ import numpy as np
 from scipy.special import j0
 
 from granstudy.collision.weights import alpha
-from granstudy.grid import VelocityGrid
+from granstudy.velocity.cartesian import VelocityGrid
 
 RestitutionLaw = Callable[[np.ndarray], np.ndarray]
 

@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from granstudy.grid import VelocityGrid
-from granstudy.kernel import VHS, sphere_area
-from granstudy.sphere import sphere_mean
+from granstudy.model.kernel import VHS, sphere_area
+from granstudy.velocity.cartesian import VelocityGrid
+from granstudy.velocity.sphere import sphere_mean
 
 SphereMean = Callable[[int, np.ndarray], np.ndarray]
 

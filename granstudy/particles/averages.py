@@ -2,8 +2,8 @@
 
 import xarray as xr
 
-from granstudy.dataset import standard_error
-from granstudy.errors import unknown_name
+from granstudy.datasets.run_dataset import standard_error
+from granstudy.support.errors import unknown_name
 
 
 def time_average(ds: xr.Dataset, name: str, start: float) -> tuple[float, float]:

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from granstudy.kernel import sphere_area
+from granstudy.model.kernel import sphere_area
+from granstudy.model.scene import Scene
 from granstudy.particles.collisions import collide, count_in_cells, means
 from granstudy.particles.restitution_table import alpha_table
-from granstudy.scene import Scene
 
 HEATING_SPLIT = 2.5e-3
 """(2εh/T)·(νh) of a step h of heating, ν the collision rate: an error of T below 1e-4 at steady state."""
@@ -83,7 +83,7 @@ class Batch:
         self.collisions = 0
 
     def moments(self) -> dict[str, Any]:
-        """The moments of `granstudy.moments`, and how many collisions a particle has had."""
+        """The moments of `granstudy.velocity.moments`, and how many collisions a particle has had."""
         gas, d = self.gas, self.gas.dim
         mean, second, fourth = means(self.c)
         u = (gas.velocity + mean)[:d]

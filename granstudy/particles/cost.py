@@ -7,11 +7,11 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.special import gamma
 
-from granstudy.cost import INTERPRETER_MB, Cost
-from granstudy.kernel import VHS, sphere_area
+from granstudy.collision.choice.cost import INTERPRETER_MB, Cost
+from granstudy.model.kernel import VHS, sphere_area
+from granstudy.model.scene import Scene
+from granstudy.model.solver import Solver
 from granstudy.particles.batch import COLLISIONS_A_STEP, HEATING_SPLIT
-from granstudy.scene import Scene
-from granstudy.solver import Solver
 from granstudy.theory import gaussian_cooling_coefficient
 
 SECONDS_PER_COLLISION = {"maxwell": 5.5e-8, "hard spheres": 1.9e-7, "between": 4.0e-7}

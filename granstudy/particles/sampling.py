@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 from scipy.ndimage import maximum_filter
 
-from granstudy.grid import VelocityGrid
-from granstudy.scene import Scene
+from granstudy.model.scene import Scene
+from granstudy.velocity.cartesian import VelocityGrid
 
 MARGIN = 1.05
 """A cell's majorant over the largest density at its corners and centre."""

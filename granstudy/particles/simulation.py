@@ -9,12 +9,12 @@ import numpy as np
 import xarray as xr
 from tqdm import tqdm
 
-from granstudy.dataset import Status, particle_dataset, standard_error
-from granstudy.grid import VelocityGrid
+from granstudy.datasets.run_dataset import Status, particle_dataset, standard_error
+from granstudy.model.scene import Scene
+from granstudy.model.solver import Solver
 from granstudy.particles.batch import Batch, Gas, HardImpactError, history
 from granstudy.particles.sampling import Sampler, quiet
-from granstudy.scene import Scene
-from granstudy.solver import Solver
+from granstudy.velocity.cartesian import VelocityGrid
 
 LEAST_TEMPERATURE = 1e-150
 """Below this fourth powers of velocities are no floating-point numbers."""
@@ -155,7 +155,7 @@ def _dataset(
 
 
 def state_of_health(T: np.ndarray, a2: np.ndarray, bias: float) -> list[dict[str, float]]:
-    """What each record says of its errors, by the names of `granstudy.health.SIGNS`.
+    """What each record says of its errors, by the names of `granstudy.trust.health.SIGNS`.
 
     Of many batches, two standard errors are exceeded about one time in twenty.
     """

@@ -31,7 +31,7 @@ from scipy.optimize import least_squares, minimize
 
 from granstudy.quadrature.design_data import DESIGN_DEGREE, design_file
 from granstudy.quadrature.harmonics import harmonic_gradients, harmonics, residual
-from granstudy.symmetry import Symmetry, move
+from granstudy.velocity.symmetry import Symmetry, move
 
 __all__ = [
     "ORBITS",

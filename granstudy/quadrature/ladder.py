@@ -8,7 +8,7 @@ from granstudy.quadrature.circle import circle_rule
 from granstudy.quadrature.orbits import invariance, representatives
 from granstudy.quadrature.rule import Rule, half
 from granstudy.quadrature.sphere import sphere_rule
-from granstudy.symmetry import Symmetry
+from granstudy.velocity.symmetry import Symmetry
 
 LEBEDEV_SIZES = (6, 14, 26, 38, 50, 86, 110, 146, 170, 194, 302, 434, 590, 770, 974)
 """Lebedev's rules without those of negative weights and, at the top, without every other."""

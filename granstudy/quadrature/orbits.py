@@ -4,7 +4,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from granstudy.quadrature.rule import ANTIPODAL_TOLERANCE, Rule, symmetrise
-from granstudy.symmetry import Element, Symmetry, move
+from granstudy.velocity.symmetry import Element, Symmetry, move
 
 
 def invariance(rule: Rule, group: Symmetry) -> Symmetry:

@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.special import roots_jacobi
 
-from granstudy.errors import unknown_name
 from granstudy.quadrature.rule import Rule
+from granstudy.support.errors import unknown_name
 
 RADIAL_RULES = ("legendre", "jacobi")
 

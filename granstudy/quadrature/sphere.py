@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import lebedev_rule
 
-from granstudy.errors import unknown_name
 from granstudy.quadrature.design_data import DESIGN_DEGREE, design_points
 from granstudy.quadrature.harmonics import exact_degree
 from granstudy.quadrature.rule import Rule, check_unit_vectors
+from granstudy.support.errors import unknown_name
 
 LEBEDEV_DEGREE = {
     6: 3, 14: 5, 26: 7, 38: 9, 50: 11, 74: 13, 86: 15, 110: 17, 146: 19, 170: 21, 194: 23,

@@ -4,7 +4,7 @@ from importlib.resources import as_file, files
 
 import pandas as pd
 
-from granstudy.errors import unknown_name
+from granstudy.support.errors import unknown_name
 
 TABLES = (1, 2, 3, 4, 5, 6, 7, 8)
 

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.special import gamma
 
-from granstudy.kernel import VHS, sphere_area
+from granstudy.model.kernel import VHS, sphere_area
 from granstudy.theory.checks import check_dim, check_restitution
 
 MAXWELL_COOLING = "exponent=0: Maxwell molecules cool exponentially; Haff's law needs λ > 0"

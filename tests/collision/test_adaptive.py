@@ -9,12 +9,12 @@ import pytest
 from comparison import BOXES, asymmetric_scene, evaluate, relative_error
 
 import granstudy as gs
-from granstudy.collision.allocation import allocate
+from granstudy.collision.fast.adaptive.allocation import allocate
+from granstudy.collision.fast.adaptive.build import MOMENT_PART, difference
+from granstudy.collision.fast.adaptive.search import resolving_grids
 from granstudy.collision.operator import ToleranceError, TunedOperator
-from granstudy.collision.planned import MOMENT_PART, difference
-from granstudy.collision.planning import resolving_grids
 from granstudy.quadrature.ladder import ladder
-from granstudy.symmetry import NAMED
+from granstudy.velocity.symmetry import NAMED
 
 FINE = {
     2: {"M_cir": 96, "N_rho": 32, "radial_rule": "jacobi"},

@@ -7,12 +7,14 @@ from scipy.integrate import dblquad
 
 import granstudy as gs
 from granstudy import theory
-from granstudy.collision import carleman, carleman_scenes, carleman_weights
+from granstudy.collision.carleman import operator as carleman
+from granstudy.collision.carleman import scenes as carleman_scenes
+from granstudy.collision.carleman import weights as carleman_weights
+from granstudy.collision.choice.cost import estimate, transform_count
 from granstudy.collision.rules import directions
-from granstudy.cost import estimate, transform_count
-from granstudy.initial import Bkw2D
+from granstudy.model.densities import Bkw2D
 from granstudy.quadrature import half
-from granstudy.study import load_study
+from granstudy.study.study import load_study
 
 RESOLVED = {2: {"N": 48, "R": 8.0}, 3: {"N": 24, "R": 8.0}}
 """Grids on which `asymmetric_scene` has small tails and little aliasing."""

@@ -11,10 +11,10 @@ from comparison import assert_near, asymmetric_scene
 from devices import DEVICES, NUMPY
 
 import granstudy as gs
-from granstudy.collision.adaptive import AdaptiveOperator
-from granstudy.collision.device_gain import SPECTRA_HELD, DeviceGainSum, equal_batches
-from granstudy.collision.fast import fast_operator
-from granstudy.collision.planned import planned_operator
+from granstudy.collision.fast.adaptive.build import planned_operator
+from granstudy.collision.fast.adaptive.operator import AdaptiveOperator
+from granstudy.collision.fast.gpu.gain import SPECTRA_HELD, DeviceGainSum, equal_batches
+from granstudy.collision.fast.operator import fast_operator
 
 ROUND_OFF = {"double": 1e-13, "single": 1e-6}
 

@@ -17,9 +17,12 @@ from hypothesis import strategies as st
 from scipy.signal import fftconvolve
 
 import granstudy as gs
-from granstudy.collision import carleman, fast, gain, transforms
-from granstudy.collision.fast import fast_operator, gain_sum
-from granstudy.symmetry import apply
+from granstudy.collision.carleman import operator as carleman
+from granstudy.collision.fast import gain
+from granstudy.collision.fast import operator as fast
+from granstudy.collision.fast.operator import fast_operator, gain_sum
+from granstudy.collision.fourier import transforms
+from granstudy.velocity.symmetry import apply
 
 CONVERGED = {2: {"M_cir": 64, "N_rho": 24}, 3: {"M_sph": 302, "N_rho": 20}}
 """Nodes with which the quadrature error on `BOXES` is far under the aliasing."""

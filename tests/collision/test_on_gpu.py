@@ -9,11 +9,12 @@ from comparison import assert_near, asymmetric_scene
 from devices import NUMPY, gpu
 
 import granstudy as gs
-from granstudy.benchmark import benchmark
-from granstudy.collision import device, on_gpu
-from granstudy.collision.device_gain import DeviceGainSum
-from granstudy.study import load_study
-from granstudy.tables import experiment_table
+from granstudy.analysis.tables.table import experiment_table
+from granstudy.collision.fast.gpu import device
+from granstudy.collision.fast.gpu import operator as on_gpu
+from granstudy.collision.fast.gpu.gain import DeviceGainSum
+from granstudy.study.benchmark.benchmark import benchmark
+from granstudy.study.study import load_study
 
 SMALL = gs.Solver(N=12, R=7.0, N_rho=4, M_cir=6, M_sph=12, threads=1)
 TOLERANT = gs.Solver(N=24, R=7.0, rtol=1e-2, threads=1)

@@ -6,8 +6,9 @@ from comparison import assert_near, assert_spectral, evaluate, relative_error
 
 import granstudy as gs
 from granstudy import theory
-from granstudy.collision import radial, radial_tensor
-from granstudy.fits import fit_haff
+from granstudy.analysis.tables.fits import fit_haff
+from granstudy.collision.radial import operator as radial
+from granstudy.collision.radial import tensor as radial_tensor
 
 
 class Isotropic:

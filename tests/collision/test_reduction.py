@@ -7,9 +7,9 @@ import pytest
 from comparison import assert_near, asymmetric_scene, relative_error
 
 import granstudy as gs
-from granstudy.collision.fast import NodalOperator, fast_operator
-from granstudy.collision.gain import GainSum
-from granstudy.symmetry import move
+from granstudy.collision.fast.gain import GainSum
+from granstudy.collision.fast.operator import NodalOperator, fast_operator
+from granstudy.velocity.symmetry import move
 
 
 def images(operator, scene):

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import scipy.fft
 
-from granstudy.collision import fftw
-from granstudy.collision.transforms import CACHE_LINE, RealTransforms
+from granstudy.collision.fourier import fftw
+from granstudy.collision.fourier.transforms import CACHE_LINE, RealTransforms
 
 ROUND_OFF = {"double": 1e-14, "single": 1e-6}
 """Over the largest value of the result."""

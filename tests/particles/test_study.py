@@ -5,12 +5,12 @@ import shutil
 import pytest
 
 import granstudy as gs
-from granstudy import fingerprint as module
-from granstudy.execute import execute
-from granstudy.fingerprint import run_fingerprint
-from granstudy.jobs import run_key
-from granstudy.plan_table import study_forecasts
-from granstudy.study import load_study
+from granstudy.analysis.tables.plan import study_forecasts
+from granstudy.study.execute import execute
+from granstudy.study.jobs import run_key
+from granstudy.study.study import load_study
+from granstudy.support import fingerprint as module
+from granstudy.support.fingerprint import run_fingerprint
 
 STUDY = """
 title: cooling

@@ -15,7 +15,7 @@ from granstudy.quadrature import designs, sphere_rule
 from granstudy.quadrature.design_data import DESIGN_DEGREE, design_points
 from granstudy.quadrature.harmonics import exact_degree, harmonic_gradients, harmonics, residual
 from granstudy.quadrature.orbits import representatives
-from granstudy.symmetry import Symmetry, move
+from granstudy.velocity.symmetry import Symmetry, move
 
 MODES = np.array([(l, m) for l in range(20) for m in range(-l, l + 1)])  # noqa: E741
 

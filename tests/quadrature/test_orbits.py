@@ -5,7 +5,7 @@ import pytest
 
 from granstudy.quadrature import circle_rule, half, sphere_rule
 from granstudy.quadrature.orbits import invariance, representatives
-from granstudy.symmetry import NAMED, Symmetry
+from granstudy.velocity.symmetry import NAMED, Symmetry
 
 OCTAHEDRAL = Symmetry.named(3, "full")
 

@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 
 from granstudy import read_dataset
-from granstudy.study_file import write_schema
+from granstudy.study.schema.file import write_schema
 
 REPOSITORY = Path(__file__).parents[2]
 
@@ -103,13 +103,17 @@ def test_a_study_from_nothing_to_figures_and_what_edits_rerun(project):
     assert planned(project) == set()
 
     # A docstring and a comment: nothing.
-    edit(project / "granstudy/evolve.py", '"""Time integration', '"""# Integration in time')
+    edit(
+        project / "granstudy/evolution/evolve.py", '"""Time integration', '"""# Integration in time'
+    )
     assert planned(project) == set()
     # Plotting: the figure only.
-    edit(project / "granstudy/figures.py", "\n\n\ndef ", "\n\nUNUSED = 1\n\n\ndef ")
+    edit(project / "granstudy/analysis/figures/figure.py", "\n\n\ndef ", "\n\nUNUSED = 1\n\n\ndef ")
     assert planned(project) == {"all", "figure"}
     # The operator these runs do not use: still only that figure.
-    edit(project / "granstudy/collision/transforms.py", "CACHE_LINE = 64", "CACHE_LINE = 128")
+    edit(
+        project / "granstudy/collision/fourier/transforms.py", "CACHE_LINE = 64", "CACHE_LINE = 128"
+    )
     assert planned(project) == {"all", "figure"}
     # The one they use: everything.
     edit(project / "granstudy/collision/literal.py", "BATCH = 2**15", "BATCH = 2**14")

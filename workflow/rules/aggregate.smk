@@ -16,7 +16,7 @@ rule table:
         ].model_dump_json(
             include={"title", "state", "table", "fit", "reference", "truth"}
         ),
-        code=fingerprint(["granstudy.tables"]),
+        code=fingerprint(["granstudy.analysis.tables.table"]),
     message:
         "table {wildcards.experiment}"
     script:
@@ -39,7 +39,7 @@ rule figure:
         request=lambda wildcards: STUDY.model.experiments[
             wildcards.experiment
         ].model_dump_json(include={"title", "figure"}),
-        code=fingerprint(["granstudy.figures"]),
+        code=fingerprint(["granstudy.analysis.figures.figure"]),
     message:
         "figure {wildcards.experiment}"
     script:

@@ -4,10 +4,10 @@ from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 
-from granstudy.fingerprint import fingerprint, run_fingerprint
-from granstudy.jobs import jobs
-from granstudy.study import load_study
-from granstudy.study_file import MAP
+from granstudy.support.fingerprint import fingerprint, run_fingerprint
+from granstudy.study.jobs import jobs
+from granstudy.study.study import load_study
+from granstudy.study.schema.file import MAP
 
 STUDY_FILE = config.get("study", "workflow/config/paper.yaml")
 
@@ -64,7 +64,7 @@ def benchmark_code(experiment):
     """Fingerprints of the code that is timed, and of the code that times it."""
     operators = sorted({run.choice.solver.operator for run in benchmarked(experiment)})
     return [run_fingerprint("collision", operator) for operator in operators] + [
-        fingerprint(["granstudy.benchmark"])
+        fingerprint(["granstudy.study.benchmark.benchmark"])
     ]
 
 

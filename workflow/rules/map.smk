@@ -15,7 +15,7 @@ rule map:
     params:
         cases=STUDY.model.with_truth,
         title=STUDY.model.map.title if STUDY.model.map else "",
-        code=fingerprint(["granstudy.label_map", "granstudy.label_map_figure"]),
+        code=fingerprint(["granstudy.analysis.tables.map", "granstudy.analysis.figures.map"]),
     message:
         "map"
     script:

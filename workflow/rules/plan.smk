@@ -10,7 +10,7 @@ rule plan:
     conda:
         "../envs/granstudy.yaml"
     params:
-        code=fingerprint(["granstudy.plan_table"]),
+        code=fingerprint(["granstudy.analysis.tables.plan"]),
     message:
         "plan"
     script:

@@ -1,6 +1,6 @@
-from granstudy.benchmark import benchmark
-from granstudy.dataset import write_dataset
-from granstudy.study import load_study
+from granstudy.datasets.run_dataset import write_dataset
+from granstudy.study.benchmark.benchmark import benchmark
+from granstudy.study.study import load_study
 
 study = load_study(snakemake.params.study)
 runs = list(study.runs[snakemake.wildcards.experiment].values())

@@ -1,6 +1,6 @@
-from granstudy.dataset import read_dataset
-from granstudy.figures import draw, save_figure
-from granstudy.study import load_study
+from granstudy.analysis.figures.figure import draw, save_figure
+from granstudy.datasets.run_dataset import read_dataset
+from granstudy.study.study import load_study
 
 study = load_study(snakemake.params.study)
 name = snakemake.wildcards.experiment

@@ -1,3 +1,3 @@
-from granstudy.notebook import execute_notebook
+from granstudy.analysis.notebook import execute_notebook
 
 execute_notebook(snakemake.input.notebook, snakemake.output[0], snakemake.params.results)

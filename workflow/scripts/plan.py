@@ -1,4 +1,4 @@
-from granstudy.plan_table import write_plan
-from granstudy.study import load_study
+from granstudy.analysis.tables.plan import write_plan
+from granstudy.study.study import load_study
 
 write_plan(load_study(snakemake.input.study), *snakemake.output)

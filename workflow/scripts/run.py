@@ -1,5 +1,5 @@
-from granstudy.execute import execute_job
-from granstudy.study import load_study
+from granstudy.study.execute import execute_job
+from granstudy.study.study import load_study
 
 study = load_study(snakemake.params.study)
 execute_job(

@@ -1,6 +1,6 @@
-from granstudy.dataset import read_dataset
-from granstudy.study import load_study
-from granstudy.tables import experiment_table, write_table
+from granstudy.analysis.tables.table import experiment_table, write_table
+from granstudy.datasets.run_dataset import read_dataset
+from granstudy.study.study import load_study
 
 study = load_study(snakemake.params.study)
 runs = study.runs[snakemake.wildcards.experiment]

@@ -1,0 +1,170 @@
+"""Compare regenerated tables with committed ones: ok, minor, major or missing.
+
+``python -m granstudy.analysis.compare results/quick/tables committed`` prints a report and exits with 1 if anything
+is major or missing.
+"""
+
+import sys
+from dataclasses import dataclass
+from enum import IntEnum
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from pandas.api.types import is_bool_dtype, is_numeric_dtype
+
+from granstudy.study.schema.file import SWEPT
+
+KEYS = (*SWEPT, "N_theta", "N_phi", "threads", "case", "configuration", "variation")
+"""Columns that tell which row it is."""
+
+
+class Grade(IntEnum):
+    """How far a number is from the committed one."""
+
+    OK = 0
+    MINOR = 1
+    MAJOR = 2
+    MISSING = 3
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Largest difference |a−b| ≤ relative·|b| + absolute that is ok, and why; None: not compared."""
+
+    relative: float | None
+    absolute: float
+    reason: str
+
+
+TOLERANCES = {
+    "paper_temperature_error": Tolerance(
+        1e-6, 1e-12, "the recipe is deterministic; FFT and BLAS round-off differ by machine"
+    ),
+    "temperature_error": Tolerance(1e-6, 1e-12, "as paper_temperature_error"),
+    "collision_error": Tolerance(1e-6, 1e-12, "max|Q| is about 0.1, known to round-off"),
+    "relative_error": Tolerance(1e-6, 1e-11, "collision_error over max|Q|"),
+    "error": Tolerance(
+        1e-6, 1e-11, "collision_error over max|Q|; a tolerance's plan is deterministic"
+    ),
+    "temperature": Tolerance(1e-9, 1e-12, "a moment of order one after some hundred steps"),
+    "largest_temperature_error": Tolerance(
+        1e-4, 1e-9, "a difference of moments known to 1e-9; steps that adapt follow round-off"
+    ),
+    "largest_a2_error": Tolerance(1e-4, 1e-8, "as largest_temperature_error"),
+    "temperature_error_estimate": Tolerance(1e-4, 1e-9, "as largest_temperature_error"),
+    "a2_error_estimate": Tolerance(1e-4, 1e-8, "as largest_temperature_error"),
+    "a2": Tolerance(1e-6, 1e-8, "a quotient of moments after some hundred adaptive steps"),
+    "density_drift": Tolerance(1e-6, 1e-11, "round-off of a sum over the grid"),
+    "order": Tolerance(1e-3, 1e-3, "a slope through errors near the round-off of T"),
+    "C0": Tolerance(1e-7, 0.0, "a fit to smooth data"),
+    "C0_error": Tolerance(1e-4, 0.0, "a variance of small residuals"),
+    "ratio": Tolerance(1e-6, 1e-5, "a quotient of the above and a printed number"),
+    "seconds": Tolerance(None, 0.0, "depends on the machine and its load"),
+    "fft_seconds": Tolerance(None, 0.0, "as seconds"),
+    "speedup": Tolerance(None, 0.0, "a quotient of seconds on a shared machine"),
+    "overhead": Tolerance(None, 0.0, "as speedup"),
+    "peak_memory_mb": Tolerance(None, 0.0, "depends on the allocator"),
+    "front": Tolerance(None, 0.0, "follows from seconds"),
+    "time_exponent": Tolerance(None, 0.0, "a slope through seconds"),
+    "memory_exponent": Tolerance(None, 0.0, "a slope through peak memories"),
+}
+DEFAULT = Tolerance(1e-9, 0.0, "a constant of the study")
+
+MAJOR_FACTOR = 100.0
+"""A difference beyond so many tolerances is major."""
+
+
+def grade(new: float, committed: float, tolerance: Tolerance) -> Grade:
+    """Grade one number."""
+    if tolerance.relative is None:
+        return Grade.OK
+    if np.isnan(new) or np.isnan(committed):
+        return Grade.OK if np.isnan(new) and np.isnan(committed) else Grade.MAJOR
+    allowed = tolerance.relative * abs(committed) + tolerance.absolute
+    difference = abs(new - committed)
+    if difference <= allowed:
+        return Grade.OK
+    return Grade.MINOR if difference <= MAJOR_FACTOR * allowed else Grade.MAJOR
+
+
+def compare_tables(new: pd.DataFrame, committed: pd.DataFrame) -> dict[str, tuple[Grade, str]]:
+    """Worst grade of every column, with what was found."""
+    keys = [key for key in KEYS if key in committed.columns]
+    absent = [column for column in committed.columns if column not in new.columns]
+    if absent:
+        return dict.fromkeys(absent, (Grade.MISSING, "no such column"))
+    both = committed.astype(dict.fromkeys(keys, str)).merge(
+        new.astype(dict.fromkeys(keys, str)),
+        on=keys,
+        how="outer",
+        suffixes=("_committed", "_new"),
+        indicator=True,
+    )
+    found: dict[str, tuple[Grade, str]] = {}
+    lost = both[both["_merge"] != "both"]
+    if len(lost):
+        rows = lost[keys].to_dict("records")
+        found["rows"] = (Grade.MISSING, f"in one table only: {rows}")
+    both = both[both["_merge"] == "both"]
+    for column in committed.columns:
+        if column not in keys:
+            found[column] = _grade_column(both, column)
+    return found
+
+
+def _grade_column(both: pd.DataFrame, column: str) -> tuple[Grade, str]:
+    old, new = both[f"{column}_committed"], both[f"{column}_new"]
+    # Beside seconds, the ratio to the printed number is one of seconds.
+    timed = column == "ratio" and "seconds_new" in both.columns
+    tolerance = TOLERANCES.get("seconds" if timed else column, DEFAULT)
+    if tolerance.relative is None:
+        measured = pd.to_numeric(new, errors="coerce")
+        lost = int((measured.isna() & ~pd.to_numeric(old, errors="coerce").isna()).sum())
+        if lost:
+            return Grade.MISSING, f"{lost} numbers are not there"
+        return Grade.OK, f"present; not compared: {tolerance.reason}"
+    if not all(is_numeric_dtype(c) and not is_bool_dtype(c) for c in (old, new)):
+        differ = int((old.fillna("").astype(str) != new.fillna("").astype(str)).sum())
+        return (Grade.MAJOR, f"{differ} texts differ") if differ else (Grade.OK, "same text")
+    grades = [grade(float(a), float(b), tolerance) for a, b in zip(new, old, strict=True)] or [
+        Grade.OK
+    ]
+    difference = float(np.nanmax(np.abs(new - old).to_numpy(), initial=0.0))
+    allowed = f"{tolerance.relative:g} relative + {tolerance.absolute:g}"
+    return max(
+        grades
+    ), f"largest difference {difference:.2g}; allowed {allowed}: {tolerance.reason}"
+
+
+def compare_folders(new: Path, committed: Path) -> list[tuple[str, str, Grade, str]]:
+    """Compare every committed CSV with the regenerated one; rows of table, column, grade, finding."""
+    report = []
+    names = sorted({path.name for folder in (new, committed) for path in folder.glob("*.csv")})
+    if not names:
+        return [(str(committed), "", Grade.MISSING, "no tables there")]
+    for name in names:
+        files = [folder / name for folder in (new, committed)]
+        if not all(file.is_file() for file in files):
+            where = next(file for file in files if not file.is_file())
+            report.append((name, "", Grade.MISSING, f"{where} is not there"))
+            continue
+        tables = [pd.read_csv(file) for file in files]
+        for column, (worst, text) in compare_tables(*tables).items():
+            report.append((name, column, worst, text))
+    return report
+
+
+def main(arguments: list[str]) -> int:
+    """Print the report; 1 if anything is major or missing."""
+    if len(arguments) != 2:
+        print("usage: python -m granstudy.analysis.compare NEW COMMITTED (folders of CSV tables)")
+        return 2
+    report = compare_folders(Path(arguments[0]), Path(arguments[1]))
+    for table, column, worst, text in report:
+        print(f"{worst.name.lower():8}{table:16}{column:26}{text}")
+    return int(any(worst >= Grade.MAJOR for *_, worst, _ in report))
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,120 @@
+"""A hard case as a figure: T and a2 over time and the last density, of every run and of the truth."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from granstudy.analysis.figures.style import COLOURS, PANEL_HEIGHT, SYMBOLS, WIDTH
+from granstudy.analysis.tables.truth import run_text, telling_apart
+from granstudy.datasets.run_dataset import flag_word, read_dataset
+from granstudy.density_profile import thermal_profile
+from granstudy.trust.truth import Truth, truth_of
+
+if TYPE_CHECKING:  # a figure does not depend on the solvers that the study module imports
+    from granstudy.study.run import Run
+
+LEAST_DENSITY = 1e-7
+"""Densities are drawn down to this part of the largest."""
+
+LONG_AGO = 100.0
+"""Time is drawn in its logarithm where the last output is so many times the first."""
+
+TIMES_OF_LAW = 200
+
+
+def draw_gallery(
+    table: xr.Dataset, rows: "Sequence[tuple[Run, str]]", files: Mapping[str, str]
+) -> Figure:
+    """Draw the runs of an experiment beside their truth, which is black.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        From `granstudy.analysis.tables.table.experiment_table`.
+    rows : sequence of (Run, str)
+        The table's runs and their files, in its order.
+    files : dict of str
+        Files of all the experiment's runs, truths among them, by path.
+    """
+    figure = Figure(figsize=(1.3 * WIDTH, PANEL_HEIGHT + 1.2), layout="constrained")
+    panels = figure.subplots(1, 3)
+    names = telling_apart(table)
+    truths: dict[str, Truth] = {}
+    for i, (run, file) in enumerate(rows):
+        ds = read_dataset(file)
+        label = run_text({name: table[name].values[i] for name in names}, SYMBOLS)
+        look: dict[str, Any] = {"color": COLOURS[i % len(COLOURS)], "zorder": 3}
+        # What others agree with lies under them, wide and pale, so that both are seen.
+        look |= {"linewidth": 1.3 + 0.8 * (len(rows) - 1 - i), "alpha": 0.85}
+        label = f"{label}: {flag_word('trust', ds['trust'])}{', stopped' * bool(int(ds['status']))}"
+        panels[0].plot(ds["time"], ds["temperature"], **look, label=label)
+        panels[1].plot(ds["time"], ds["a2"], **look)
+        _density(panels[2], ds, look)
+        assert run.model.truth is not None and run.time is not None
+        by_law = run.model.truth.law is not None
+        gas = str(run.scene.describe()) if by_law else run.truth.path
+        if gas not in truths:
+            truths[gas] = truth_of(run, files, _dense(run.time.recorded))
+            _draw_truth(panels, truths[gas], None if by_law else files[gas])
+    _scales(panels, next(iter(truths.values())))
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    return figure
+
+
+def _is_long(times: np.ndarray) -> bool:
+    return bool(times.size > 2 and times[-1] > LONG_AGO * times[1])
+
+
+def _dense(times: np.ndarray) -> np.ndarray:
+    """Times for a smooth curve, spaced evenly or so in their logarithm, with the outputs among them."""
+    if times.size < 3:
+        return times
+    space = np.geomspace if _is_long(times) else np.linspace
+    return np.union1d(times, space(times[1], times[-1], TIMES_OF_LAW))
+
+
+def _density(ax: Axes, ds: xr.Dataset, look: dict[str, Any]) -> None:
+    """Draw the last density; where it is negative, its size as crosses."""
+    profile = thermal_profile(ds)
+    if profile is None:
+        return
+    x, y = profile
+    ax.plot(x, np.where(y > 0.0, y, np.nan), **look)
+    ax.plot(x, np.where(y < 0.0, -y, np.nan), **look | {"linestyle": "none", "marker": "x"})
+
+
+def _draw_truth(panels: Sequence[Axes], truth: Truth, file: str | None) -> None:
+    """Draw a truth in black, with the density of its run."""
+    look: dict[str, Any] = {"color": "black", "linestyle": "--", "linewidth": 1.0, "zorder": 4}
+    panels[0].plot(truth.time, truth.temperature, **look, label=f"truth: {truth.source}")
+    panels[1].plot(truth.time, truth.a2, **look)
+    if file is not None:
+        _density(panels[2], read_dataset(file), look)
+
+
+def _scales(panels: Sequence[Axes], truth: Truth) -> None:
+    """Logarithms where numbers span decades; the density where it is worth looking at."""
+    T, times = truth.temperature, truth.time
+    for ax in panels[:2]:
+        ax.set(xlabel="$t$", xlim=(0.0, times[-1]))
+        if _is_long(times):
+            ax.set(xscale="log", xlim=(times[1], times[-1]))
+    if T.max() > 10.0 * T.min():
+        panels[0].set_yscale("log")
+    # A run that runs away must not flatten the truth.
+    spread = max(0.05, 3.0 * np.ptp(truth.a2))
+    panels[1].set_ylim(truth.a2.min() - spread, truth.a2.max() + spread)
+    panels[0].set(title="temperature $T$")
+    panels[1].set(title="kurtosis excess $a_2$")
+    panels[2].set(
+        title="density at the end (×: −f)",
+        xlabel=r"$(v_x - u_x)/\sqrt{T}$",
+        yscale="log",
+        ylim=(LEAST_DENSITY, 1.0),
+        xlim=(-6.0, 6.0),
+    )

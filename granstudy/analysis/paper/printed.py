@@ -1,0 +1,84 @@
+"""Which number printed in the paper belongs to which run."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from granstudy.reference import paper_table
+from granstudy.support.errors import unknown_name
+
+HAFF_CONSTANTS = {0.2: 0.5159, 0.8: 0.19058}
+"""C0 by e for T0 = 2, the legend of the published Fig. 4 (docs/method.md §6).
+
+With N = 32, our C0 is 0.1906 and 0.5160 at R = 8, but 0.1878 and 0.5102 at R = 7, where the
+truncation takes 6% of the initial cooling: the printed numbers are those of R = 8.
+"""
+
+NAMES = (*(f"table{number}" for number in range(1, 9)), "figure4")
+
+
+@dataclass(frozen=True)
+class Printed:
+    """One printed number and the parameters of the runs it is compared with."""
+
+    parameters: dict[str, Any]
+    value: float
+
+
+def printed_quantity(name: str, quantity: str) -> str:
+    """Name the variable of a table that ``name`` prints: the table's quantity, C0 for Figure 4."""
+    return "C0" if name == "figure4" else quantity
+
+
+def printed_numbers(name: str) -> list[Printed]:
+    """List all numbers of ``table1`` .. ``table8``, or the Haff constants of ``figure4``.
+
+    Tables 1 and 2 have a column for each variant; Tables 3, 4, 6 and 7 are spherical designs, Table
+    8 is Gauss–Legendre in θ and φ. The fast method of Table 5 is what we call `literal`: both that
+    and our `fast` are compared with it.
+    """
+    if name not in NAMES:
+        raise unknown_name("printed table", name, NAMES)
+    if name == "figure4":
+        return [Printed({"e": e}, C0) for e, C0 in HAFF_CONSTANTS.items()]
+    number = int(name.removeprefix("table"))
+    columns: dict[str, list[dict[str, Any]]]
+    if number in (1, 2):
+        columns = {variant: [{"variant": variant}] for variant in ("full", "separate")}
+    elif number == 5:
+        columns = {
+            "direct_seconds": [{"method": "direct"}],
+            "fast_seconds": [{"method": "literal"}, {"method": "fast"}],
+        }
+    else:
+        rule = "gauss-theta-phi" if number == 8 else "design"
+        columns = {str(paper_table(number).columns[-1]): [{"sphere_rule": rule}]}
+    rows = paper_table(number).to_dict("records")
+    return [
+        Printed({key: v for key, v in row.items() if key not in columns} | also, row[column])
+        for row in rows
+        for column, conditions in columns.items()
+        for also in conditions
+        if not np.isnan(row[column])
+    ]
+
+
+def match_printed(name: str, runs: xr.Dataset) -> np.ndarray:
+    """Find the printed number of every run, NaN where the paper prints none.
+
+    Raises
+    ------
+    ValueError
+        If the runs have no parameter that the table is printed by.
+    """
+    values = np.full(runs.sizes["run"], np.nan)
+    for printed in printed_numbers(name):
+        same = np.ones(values.size, dtype=bool)
+        for key, value in printed.parameters.items():
+            if key not in runs.coords:
+                raise ValueError(f"paper={name!r}: is printed by {key}, which the runs do not have")
+            same &= runs[key].values == value
+        values[same] = printed.value
+    return values

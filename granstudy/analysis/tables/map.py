@@ -1,0 +1,141 @@
+"""The map of a study: every run that is held against a truth, its errors, and whether its label is right."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from granstudy.analysis.tables.markdown import rows_text
+from granstudy.analysis.tables.table import write_table
+from granstudy.analysis.tables.truth import run_text, telling_apart
+from granstudy.datasets.run_dataset import CONVENTIONS, Status, flag_word
+from granstudy.trust.health import Trust
+
+TRUSTED_TEMPERATURE = 1e-2
+TRUSTED_A2 = 1e-2
+"""Errors that no trusted run has, of T relative to T and of a2."""
+
+UNTRUSTED = 1e-6
+"""No untrusted run has both its errors below this."""
+
+CONFIGURATION = ("method", "frame")
+"""Parameters that are the map's columns."""
+
+ALWAYS = ("N", "R")
+"""Parameters that a cell names, beside those that its case sweeps."""
+
+MEASURES = (
+    "largest_temperature_error",
+    "temperature_error_estimate",
+    "largest_a2_error",
+    "a2_error_estimate",
+    "trust",
+    "status",
+)
+
+
+def breaks_rule(trust: Trust, temperature_error: float, a2_error: float, status: Status) -> bool:
+    """Whether a label is wrong, by `TRUSTED_TEMPERATURE`, `TRUSTED_A2` and `UNTRUSTED`.
+
+    An error that is not a number is a large one. A run that stopped is not to be trusted, whatever its errors
+    up to there.
+    """
+    if trust is Trust.TRUSTED:
+        return not (temperature_error <= TRUSTED_TEMPERATURE and a2_error <= TRUSTED_A2)
+    if trust is Trust.UNTRUSTED and status is Status.OK:
+        return temperature_error < UNTRUSTED and a2_error < UNTRUSTED
+    return False
+
+
+def label_map(title: str, tables: Mapping[str, xr.Dataset]) -> xr.Dataset:
+    """One row for each run of the tables: its case, its configuration, errors, estimates, label.
+
+    Parameters
+    ----------
+    title : str
+    tables : dict of xarray.Dataset
+        From `granstudy.analysis.tables.table.experiment_table`, of experiments with a truth, by experiment.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``run``: the coordinates `case`, `configuration` (method, frame) and `variation` (N, R,
+        and what else is swept); the columns `MEASURES` and `wrong`, whether the label breaks the rule. The
+        attribute `titles` has a line for each case.
+    """
+    parts = [_rows(case, table) for case, table in tables.items()]
+    joined = xr.concat(parts, "run", combine_attrs="drop")
+    wrong = [
+        breaks_rule(Trust(int(trust)), float(T), float(a2), Status(int(status)))
+        for trust, T, a2, status in zip(
+            *(joined[name].values for name in ("trust", MEASURES[0], MEASURES[2], "status")),
+            strict=True,
+        )
+    ]
+    joined["wrong"] = ("run", wrong, {"long_name": "whether the label breaks the rule"})
+    joined.attrs = {
+        "title": title,
+        "Conventions": CONVENTIONS,
+        "swept": "case configuration variation",
+        "titles": "\n".join(table.attrs["title"] for table in tables.values()),
+    }
+    return joined
+
+
+def _rows(case: str, table: xr.Dataset) -> xr.Dataset:
+    """One case's rows: its measures, with what tells its runs apart as text."""
+    varying = [name for name in telling_apart(table) if name not in (*CONFIGURATION, *ALWAYS)]
+    texts = {
+        "configuration": _texts(table, CONFIGURATION),
+        "variation": _texts(table, [*ALWAYS, *varying]),
+    }
+    coordinates = {name: ("run", np.array(values, dtype=object)) for name, values in texts.items()}
+    rows = xr.Dataset({name: ("run", table[name].values, table[name].attrs) for name in MEASURES})
+    cases = np.array([case] * table.sizes["run"], dtype=object)
+    return rows.assign_coords({"case": ("run", cases)} | coordinates)
+
+
+def _texts(table: xr.Dataset, names: Sequence[str]) -> list[str]:
+    """Parameters of every run, swept or held fixed, as a text."""
+    columns = [np.broadcast_to(table[name].values, table.sizes["run"]) for name in names]
+    return [
+        run_text(dict(zip(names, values, strict=True))) for values in zip(*columns, strict=True)
+    ]
+
+
+def rule_line(table: xr.Dataset) -> str:
+    """How many labels break the rule, in one line."""
+    wrong, runs = int(table["wrong"].sum()), table.sizes["run"]
+    return (
+        f"{wrong} of {runs} labels break the rule: no trusted run with more than 1% error in T or 0.01 in "
+        "a2, no untrusted one under 1e-6 in both."
+    )
+
+
+def write_map(table: xr.Dataset, nc: str | Path, csv: str | Path, md: str | Path) -> None:
+    """Write a map as NetCDF, CSV and Markdown, each whole or not at all."""
+    write_table(table, nc, csv, md, markdown_map)
+
+
+def markdown_map(table: xr.Dataset) -> str:
+    """Title, the rule, and a line for each run."""
+    header = [
+        "case",
+        "configuration",
+        "",
+        "error of T",
+        "estimate",
+        "error of a2",
+        "estimate",
+        "label",
+    ]
+    lines = [header, ["---"] * 3 + ["---:"] * 4 + ["---"]]
+    for i in range(table.sizes["run"]):
+        row = table.isel(run=i)
+        numbers = [f"{float(row[name]):.1e}" for name in MEASURES[:4]]
+        label = flag_word("trust", row["trust"]) + " (wrong)" * bool(row["wrong"])
+        texts = [str(row[name].item()) for name in ("case", "configuration", "variation")]
+        lines.append([*texts, *numbers, label])
+    title = f"# {table.attrs['title']}"
+    return "\n".join([title, "", rule_line(table), "", rows_text(lines)]) + "\n"

@@ -1,0 +1,82 @@
+"""What a study will take: a forecast a run, as a table to read and to load."""
+
+import csv
+import io
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+
+from granstudy.analysis.tables.markdown import rows_text
+from granstudy.evolution.forecast import Forecast, plan
+from granstudy.study.run import Run
+from granstudy.study.study import Study
+from granstudy.support.files import write_whole
+
+COLUMNS = ("method", "N", "R", "nodes", "transforms", "evaluations", "seconds", "memory_mb")
+"""Numbers of a `Forecast` in the table."""
+
+HEADINGS = {"seconds": "seconds (estimated)", "memory_mb": "memory (MB)"}
+
+Row = tuple[str, Forecast]
+
+
+def study_forecasts(study: Study) -> list[Row]:
+    """The forecast of every run, references among them, by its experiment and path.
+
+    On the threads its experiment gives it. Of a benchmark, one evaluation each.
+    """
+    return [
+        (f"{name}/{path}", forecast(run))
+        for name, runs in study.runs.items()
+        for path, run in runs.items()
+    ]
+
+
+def forecast(run: Run) -> Forecast:
+    """The forecast of one run."""
+    solver = replace(run.solver, threads=run.model.threads)
+    time = run.time
+    if time is None:
+        one = plan(run.planned_scene, solver)
+        further = (run.evaluations - one.evaluations) * one.seconds_per_evaluation
+        return replace(one, evaluations=run.evaluations, seconds=one.seconds + further)
+    return plan(run.scene, solver, time.t_final, time.dt, time.time_rtol, time.scheme)
+
+
+def write_plan(study: Study, md: str | Path, csv: str | Path) -> None:
+    """Write a study's forecasts as Markdown and as CSV, each whole or not at all."""
+    rows = study_forecasts(study)
+    write_whole(Path(md), lambda partial: partial.write_text(markdown(study.model.title, rows)))
+    write_whole(Path(csv), lambda partial: partial.write_text(as_csv(rows)))
+
+
+def markdown(title: str, rows: list[Row]) -> str:
+    """Title, a line a run, the total, and why each method was chosen where it was."""
+    header = ["run", *(HEADINGS.get(name, name) for name in COLUMNS)]
+    lines = [header, ["---", "---", *["---:"] * (len(COLUMNS) - 1)]]
+    lines += [[run, *(_shown(getattr(f, name)) for name in COLUMNS)] for run, f in rows]
+    seconds = sum(f.seconds for _, f in rows)
+    largest = max(f.memory_mb for _, f in rows)
+    totals = {"seconds": _shown(seconds), "memory_mb": str(largest)}
+    lines.append(["**total**", *(totals.get(name, "") for name in COLUMNS)])
+    table = rows_text(lines)
+    reasons = "\n".join(f"- {run}: {f.reason}" for run, f in rows if f.reason)
+    legend = "Total seconds are of the runs one after the other, memory is the largest run's."
+    return "\n\n".join(part for part in (f"# Plan: {title}", table, legend, reasons) if part) + "\n"
+
+
+def as_csv(rows: Iterable[Row]) -> str:
+    """A line a run, with the reason and the estimated error, empty where there is none."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    names = (*COLUMNS, "threads", "seconds_per_evaluation", "error", "reason")
+    writer.writerow(["run", *names])
+    for run, f in rows:
+        writer.writerow([run, *("" if (v := getattr(f, name)) is None else v for name in names)])
+    return stream.getvalue()
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:.2g}" if value < 100 else f"{value:.0f}"
+    return str(value)

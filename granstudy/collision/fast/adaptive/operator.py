@@ -1,0 +1,57 @@
+"""The fast operator tuned to a tolerance, and tuned again when a density has outgrown its quadrature."""
+
+import numpy as np
+
+from granstudy.collision.fast.adaptive.build import planned_operator, quadrature_error, refine
+from granstudy.collision.fast.adaptive.plan import QuadraturePlan
+from granstudy.collision.fast.adaptive.search import make_plan
+from granstudy.collision.fast.operator import MakeGain, gain_sum
+from granstudy.model.scene import Scene
+from granstudy.model.solver import Solver
+
+
+class AdaptiveOperator:
+    """Q(f,f) with a quadrature error under rtol at the density it is tuned for.
+
+    Attributes
+    ----------
+    plan : QuadraturePlan
+        The quadrature in use, first made for the scene's initial density.
+    """
+
+    def __init__(self, scene: Scene, solver: Solver, make_gain: MakeGain = gain_sum) -> None:
+        self.scene = scene
+        self.solver = solver
+        self.grid = solver.grid(scene.dim)
+        self._make_gain = make_gain
+        self._use(make_plan(scene, solver, scene.density(self.grid)))
+
+    def _use(self, plan: QuadraturePlan) -> None:
+        self.plan = plan
+        self.operator = planned_operator(self.scene, self.solver, plan, self._make_gain)
+        self.transforms = self.operator.transforms
+        finer = refine(self.scene, self.solver, plan)
+        self._finer = planned_operator(self.scene, self.solver, finer, self._make_gain)
+
+    def __call__(self, f: np.ndarray) -> np.ndarray:
+        """Q(f,f) of a real density."""
+        return self.operator(f)
+
+    def transform(self) -> None:
+        """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
+        self.operator.transform()
+
+    def check(self, f: np.ndarray) -> float:
+        """The error at a density that rtol bounds, by a finer quadrature: a few evaluations' time."""
+        return quadrature_error(self.operator, self._finer, f)
+
+    def tune(self, f: np.ndarray) -> QuadraturePlan:
+        """Choose the quadrature anew, for this density.
+
+        Raises
+        ------
+        ToleranceError
+            If the tolerance cannot be reached; the quadrature then stays as it was.
+        """
+        self._use(make_plan(self.scene, self.solver, f))
+        return self.plan

@@ -1,0 +1,247 @@
+"""From a tolerance to a quadrature: shells, and on each as many directions as its part of Q needs.
+
+The quadrature error of Q is a sum over shells. For one density it is measured: every shell's part of Q is
+computed with rules of growing size until it settles, and the rules are chosen so that the sum of the
+errors, and their moments, stay under rtol (docs/method.md §2, fact 5). A finer quadrature then verifies
+the choice.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import scipy.fft
+
+from granstudy.collision.fast.adaptive.allocation import allocate
+from granstudy.collision.fast.adaptive.build import (
+    ErrorScale,
+    describe_plan,
+    difference,
+    magnitude,
+    planned_operator,
+    quadrature_error,
+    refine,
+    shell_radii,
+)
+from granstudy.collision.fast.adaptive.plan import QuadraturePlan
+from granstudy.collision.fast.adaptive.shells import Shells
+from granstudy.collision.fast.gain import GainSum
+from granstudy.collision.fourier.spectra import resize, serial_transforms
+from granstudy.collision.operator import ToleranceError
+from granstudy.model.scene import Scene
+from granstudy.model.solver import Solver
+from granstudy.quadrature.ladder import ladder
+from granstudy.velocity.cartesian import VelocityGrid
+from granstudy.velocity.symmetry import Symmetry
+
+TARGET = 0.5
+"""Part of the tolerance that a new plan may use: the rest is for a density that evolves."""
+
+RADIAL_PART = 0.15
+"""Part of the tolerance for the radii."""
+
+GRID_PART = 0.15
+"""Part of the tolerance for forming the products on a smaller grid."""
+
+RESOLVED = 0.1
+"""max|f − f_n| over max|f|, in parts of the tolerance, on a smaller grid that may hold f."""
+
+QUIET = 0.2
+"""Aliasing in parts of the tolerance on a smaller grid that a plan is made on."""
+
+SETTLED = 0.03
+"""A shell's part has settled where the next rule changes it by this part of the tolerance."""
+
+LARGEST_N_RHO = 80
+
+PROBE = 3
+PROBE_SHELLS = 12
+"""Rule on the ladder, and number of shells, of the quadrature that aliasing is measured with."""
+
+SIZES = (8, 12, 16, 20, 32, 40, 48, 64, 96, 128)
+"""Grids on which products may be formed. FFTW's real transforms of 32³ points take less time than those
+of 22³ to 30³."""
+
+ATTEMPTS = 5
+
+
+def make_plan(scene: Scene, solver: Solver, f: np.ndarray) -> QuadraturePlan:
+    """The cheapest quadrature found with an error of Q(f,f) and its moments under rtol (`ErrorScale`).
+
+    Raises
+    ------
+    ToleranceError
+        If the sums do not settle so far, as aliasing on the solver's grid keeps them from it.
+    """
+    assert solver.rtol is not None
+    for n, f_n in resolving_grids(solver.grid(scene.dim), f, RESOLVED * solver.rtol):
+        small = replace(solver, N=n)
+        probe = aliasing(scene, small, f_n)
+        noise = probe.kept
+        if noise <= QUIET * solver.rtol:
+            break
+    if noise > solver.rtol:
+        raise _unreachable(solver, noise)
+    N_rho = _radial_size(scene, small, f_n, RADIAL_PART * solver.rtol + noise / 2)
+    settled = (SETTLED * solver.rtol + noise / 10) * probe.scale
+    bound = (TARGET - RADIAL_PART / 2) * solver.rtol
+    best: QuadraturePlan | None = None
+    parts, costs = _measure(scene, small, f_n, N_rho, settled)
+    scale = ErrorScale(small.grid(scene.dim), probe.Q, probe.scale)
+    for _ in range(ATTEMPTS):
+        samples = [scale.samples(part - part[-1]) for part in parts]
+        choices = allocate([errors for errors, _ in samples], costs, bound, samples[0][1])
+        plan = describe_plan(scene, small, [choice - 1 if choice else None for choice in choices])
+        finer = planned_operator(scene, small, refine(scene, small, plan))
+        error = quadrature_error(planned_operator(scene, small, plan), finer, f_n)
+        stuck = best is not None and error > 0.8 * best.error
+        if best is None or error < best.error:
+            best = replace(plan, N=solver.N, error=error, aliasing=probe.everywhere)
+        if error <= TARGET * solver.rtol:
+            break
+        if stuck or error > solver.rtol:  # better rules do not help, so it is the radii
+            N_rho += 1
+            parts, costs = _measure(scene, small, f_n, N_rho, settled)
+        else:
+            bound *= TARGET * solver.rtol / error
+    assert best is not None
+    if best.error <= solver.rtol:
+        return _choose_grid(scene, solver, best, f)
+    raise _unreachable(solver, best.error)
+
+
+def _unreachable(solver: Solver, error: float) -> ToleranceError:
+    cause = "round-off" if solver.dealias else "aliasing"
+    remedy = "" if solver.dealias else ", or dealias=True"
+    return ToleranceError(
+        f"rtol={solver.rtol!r}: on N={solver.N} {cause} keeps the sums over directions from settling "
+        f"below {error:.1e} of max|Q|; take a larger N or a larger rtol{remedy}"
+    )
+
+
+class Aliasing(NamedTuple):
+    """How much a fixed quadrature changes with the signs of its nodes, over max|Q|.
+
+    But for aliasing it does not matter which of ±g is evaluated.
+
+    Attributes
+    ----------
+    kept : float
+        On the modes that quadratures are compared on.
+    everywhere : float
+        On all modes.
+    Q : ndarray
+        Q(f,f) with that quadrature.
+    scale : float
+        Its `magnitude`.
+    """
+
+    kept: float
+    everywhere: float
+    Q: np.ndarray
+    scale: float
+
+
+def aliasing(scene: Scene, solver: Solver, f: np.ndarray) -> Aliasing:
+    """Measure the aliasing of Q(f,f) on the solver's grid."""
+    scene = replace(scene, symmetry=Symmetry.named(scene.dim, "none"))
+    operator = planned_operator(scene, solver, describe_plan(scene, solver, [PROBE] * PROBE_SHELLS))
+    Q = operator(f)
+    flipped = replace(operator.gain.nodes, vectors=-operator.gain.nodes.vectors)
+    operator.gain = GainSum(
+        scene, operator.gain.grid, flipped, solver.thread_count, precision=solver.precision
+    )
+    other = operator(f)
+    scale = magnitude(operator, f, Q)
+    changed = Q - other
+    return Aliasing(difference(changed) / scale, float(np.max(np.abs(changed))) / scale, Q, scale)
+
+
+def resolving_grids(
+    grid: VelocityGrid, f: np.ndarray, tolerance: float
+) -> Iterator[tuple[int, np.ndarray]]:
+    """Those of `SIZES` on which f is max|f|·tolerance near itself, each with f there; N comes last."""
+    axes = (0, 1, 2) if grid.dim == 3 else (0, 2)
+    f_hat = scipy.fft.rfftn(f.reshape(grid.N, -1, grid.N), axes=axes, norm="forward")
+
+    def values(spectrum: np.ndarray) -> np.ndarray:
+        shape = (len(spectrum),) * grid.dim
+        return scipy.fft.irfftn(spectrum, s=shape, axes=axes, norm="forward").reshape(shape)
+
+    for n in SIZES:
+        if n < grid.N:
+            small = resize(f_hat, n)
+            lost = values(f_hat - resize(small, grid.N))
+            if np.max(np.abs(lost)) <= tolerance * np.max(np.abs(f)):
+                yield n, values(small)
+    yield grid.N, f
+
+
+def _radial_size(scene: Scene, solver: Solver, f: np.ndarray, tolerance: float) -> int:
+    """Fewest shells whose radii are good to a relative tolerance.
+
+    Judged with the ladder's second rule, the same on all shells: its parts are as smooth in ρ as those of
+    a better one.
+    """
+    before = None
+    for N_rho in range(4, LARGEST_N_RHO + 1, 2):
+        plan = describe_plan(scene, solver, [1] * N_rho)
+        operator = planned_operator(scene, solver, plan)
+        Q = operator(f)
+        if before is not None and (
+            ErrorScale(operator.grid, Q, magnitude(operator, f, Q)).error(Q - before) <= tolerance
+        ):
+            return N_rho - 2
+        before = Q
+    raise ToleranceError(
+        f"rtol={solver.rtol!r}: {LARGEST_N_RHO} shells do not reach it on N={solver.N}; "
+        "take a larger N or a larger rtol"
+    )
+
+
+def _measure(
+    scene: Scene, solver: Solver, f: np.ndarray, N_rho: int, settled: float
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Every shell's part of Q without nodes, and with the ladder's rules up to where it settles.
+
+    Returns, a shell each, arrays (choices, points) and the choices' costs in nodes.
+    """
+    rules = ladder(scene.dim, scene.symmetry)
+    shells = Shells(scene, solver, rules, f)
+    radial = shell_radii(scene, solver, N_rho)
+    measured = [[np.zeros(f.size)] for _ in range(N_rho)]
+    active = set(range(N_rho))
+    for level in range(len(rules)):
+        levels = [level if shell in active else None for shell in range(N_rho)]
+        parts = shells.contributions(radial, levels)
+        for shell in sorted(active):
+            change = np.max(np.abs(parts[shell] - measured[shell][-1]))
+            measured[shell].append(parts[shell])
+            if change <= settled and level > 0:
+                active.remove(shell)
+        if not active:
+            break
+    costs = np.array([0, *(len(step.reduced) for step in rules.steps)])
+    return [np.array(m) for m in measured], [costs[: len(m)] for m in measured]
+
+
+def _choose_grid(
+    scene: Scene, solver: Solver, plan: QuadraturePlan, f: np.ndarray
+) -> QuadraturePlan:
+    """The plan on the smallest grid for its products that changes Q by little enough."""
+    assert solver.rtol is not None
+    if solver.dealias:  # on no other grid does nothing wrap around
+        n = solver.product_points
+        return replace(plan, n=n, transforms=2 * plan.nodes + serial_transforms(solver.N, n))
+    sizes = [n for n in SIZES if plan.n <= n < solver.N]
+    if sizes:
+        operator = planned_operator(scene, solver, replace(plan, n=solver.N))
+        Q = operator(f)
+        scale = magnitude(operator, f, Q)
+        for n in sizes:
+            smaller = planned_operator(scene, solver, replace(plan, n=n))
+            change = float(np.max(np.abs(smaller(f) - Q))) / scale
+            if change <= GRID_PART * solver.rtol:
+                return replace(plan, n=n, transforms=smaller.transforms, error=plan.error + change)
+    return replace(plan, n=solver.N, transforms=2 * plan.nodes + 3)

@@ -1,0 +1,198 @@
+"""The sum over nodes: real transforms, antipodal pairs, fused loops, threads.
+
+Facts 1 to 4 of docs/method.md §2. For real f the nodes ±g share one transform pair, as f(v)f(v+g) is
+f(v)f(v−g) displaced by g, and the weight of both together is real up to the half-shift e^{i½k·g}:
+
+    Q̂⁺_k = |S|C_λ Σ_ρ w_ρ ρ^{d−1+λ} Σ_{±ĝ} w_ĝ e^{iπρ k·ĝ/2L} 2P(ρ,|k|,k·ĝ) FFT[f(v) f(v−ρĝ)]_k
+
+with P = mean(πρα|k|/L) cos(πρβ k·ĝ/L), β = (1−e)/4, for a constant restitution, and a series in (k̂·ĝ)²
+for one that depends on the impact speed.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Protocol
+
+import numpy as np
+
+from granstudy.collision.fast import loops as kernels
+from granstudy.collision.fast.nodes import Nodes
+from granstudy.collision.fourier import fftw
+from granstudy.collision.fourier.threads import SHARES, Workers
+from granstudy.collision.fourier.transforms import REAL, RealTransforms, aligned_zeros
+from granstudy.collision.variable_restitution import pair_series
+from granstudy.collision.weights import alpha, sphere_mean
+from granstudy.model.scene import Scene
+from granstudy.velocity.cartesian import VelocityGrid
+
+SMALLEST_SHARE = 12
+"""Nodes below which a share of the sum is not worth its overhead."""
+
+Bounds = tuple[int, int]
+
+
+class Gain(Protocol):
+    """Q̂⁺ of a real density on a grid, as a sum over nodes.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Of the densities it takes, (n, n', n), n' = 1 in two dimensions.
+    transforms : int
+        Real transforms that the sum makes.
+    """
+
+    grid: VelocityGrid
+    nodes: Nodes
+    shape: tuple[int, int, int]
+    transforms: int
+
+    def total(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
+        """The sum over all nodes, a half spectrum, of f and its half spectrum f̂."""
+
+    def transform(self) -> None:
+        """Make the transforms of one sum and nothing else, for benchmarks."""
+
+
+class GainSum:
+    """Q̂⁺ of a real density as a sum over given nodes, at two real transforms a node.
+
+    Parameters
+    ----------
+    grid : VelocityGrid
+        The grid on which the products are formed.
+    shares : sequence of (start, stop), optional
+        Parts of the sum, by default about equal ones for threads.
+    precision : str
+        ``double``, or ``single`` for the nodes' transforms and loops; shells are added in double.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        grid: VelocityGrid,
+        nodes: Nodes,
+        threads: int,
+        shares: Sequence[Bounds] | None = None,
+        precision: str = "double",
+    ) -> None:
+        self.grid = grid
+        self.real = REAL[precision]
+        self.nodes = nodes
+        self.shape = (grid.N, grid.N if grid.dim == 3 else 1, grid.N)
+        self.shares = equal_shares(len(nodes)) if shares is None else list(shares)
+        self.transforms = 2 * len(nodes)
+        self._weights = nodes.weights / grid.N**grid.dim  # transforms are unnormalised
+        k2, place = np.unique(grid.wavenumber_squared(half=True), return_inverse=True)
+        self._place = place.reshape(grid.N, -1).astype(np.uint32)
+        self._f = aligned_zeros((grid.N * self.shape[1], grid.N), self.real)
+        self._f_re, self._f_im = (aligned_zeros(self._place.shape, self.real) for _ in range(2))
+        self._gains = aligned_zeros(
+            (len(self.shares), *self.shape[:-1], grid.N // 2 + 1), np.complex128
+        )
+        self._sum = self._choose_weight(scene, k2)
+        self._workers = Workers(
+            min(threads, max(1, len(self.shares))),
+            lambda: _Workspace(self.shape, precision),
+        )
+
+    def parts(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
+        """The sum over each share, half spectra (shares, n, n', n/2+1), until the next call.
+
+        ``f`` has shape (n, n', n); ``f_hat`` is its half spectrum, Σ_k f̂_k e^{iπk·v/L} = f.
+        """
+        self._f[...] = f.reshape(self._f.shape)
+        self._f_re[...] = f_hat.real.reshape(self._f_re.shape)
+        self._f_im[...] = f_hat.imag.reshape(self._f_im.shape)
+
+        def sum_share(item: tuple[Bounds, np.ndarray], work: "_Workspace") -> None:
+            bounds, gain = item
+            self._sum(slice(*bounds), work, gain)
+
+        views = self._gains.view(np.float64).reshape(len(self.shares), self.grid.N, -1)
+        self._workers.map(sum_share, list(zip(self.shares, views, strict=True)))
+        return self._gains
+
+    def total(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
+        """The sum over all nodes, as `parts`."""
+        parts = self.parts(f, f_hat)
+        for part in parts[1:]:
+            parts[0] += part
+        return parts[0]
+
+    def transform(self) -> None:
+        """Make the transforms of one sum on the same threads and nothing else, for benchmarks."""
+
+        def transform_share(share: Bounds, work: "_Workspace") -> None:
+            plans = work.transforms.plans
+            fftw.alternate(plans, fftw.BACKWARD, plans, fftw.FORWARD, share[1] - share[0])
+            work.transforms.spectrum[...] = 0.0
+
+        self._workers.map(transform_share, self.shares)
+
+    def _choose_weight(self, scene: Scene, k2: np.ndarray) -> Callable[..., None]:
+        """The compiled sum with the pairs' weight 2P: closed for a constant restitution, else a series."""
+        nodes, grid = self.nodes, self.grid
+        k = np.pi / grid.L * np.sqrt(k2)
+        if callable(scene.restitution):
+            series = pair_series(scene.restitution, grid.dim, nodes.radii, k)
+            series *= nodes.measure[:, None, None]
+            return partial(self._sum_series, series, k2, np.pi / grid.L * nodes.radii)
+        means = shell_means(scene.restitution, grid.dim, nodes, k)
+        return partial(self._sum_pairs, pair_shift(scene.restitution), means)
+
+    def _sum_pairs(
+        self, beta: float, means: np.ndarray, part: slice, work: "_Workspace", gain: np.ndarray
+    ) -> None:
+        share = self._share(part, work, gain)
+        kernels.sum_pairs(beta, means, work.sum_re, work.sum_im, *share)
+
+    def _sum_series(
+        self,
+        series: np.ndarray,
+        k2: np.ndarray,
+        radii: np.ndarray,
+        part: slice,
+        work: "_Workspace",
+        gain: np.ndarray,
+    ) -> None:
+        kernels.sum_series(series, k2, radii, *self._share(part, work, gain))
+
+    def _share(self, part: slice, work: "_Workspace", gain: np.ndarray) -> tuple[np.ndarray, ...]:
+        """What the sum over a part of the nodes takes, whatever their weight is."""
+        nodes, transforms = self.nodes, work.transforms
+        return (
+            *(self._f_re, self._f_im, self._f),
+            *(nodes.vectors[part], self._weights[part], nodes.shells[part], self._place),
+            *(transforms.parts, transforms.rows, transforms.plans, gain),
+        )
+
+
+def shell_means(e: float, dim: int, nodes: Nodes, k: np.ndarray) -> np.ndarray:
+    """|S|C_λ w_ρ ρ^{d−1+λ} mean(ραk) of every shell at magnitudes k, shape (shells, k)."""
+    return nodes.measure[:, None] * sphere_mean(dim, float(alpha(e)) * nodes.radii[:, None] * k)
+
+
+def pair_shift(e: float) -> float:
+    """β = (1−e)/4: the gains of ±g are displaced by (½ ± β)g."""
+    return (1.0 - e) / 4.0
+
+
+def equal_shares(count: int) -> list[Bounds]:
+    """About equal parts of so many nodes, whatever the thread count: 8, or 4 or 2 of few nodes."""
+    shares = SHARES
+    while shares > 2 and count < shares * SMALLEST_SHARE:
+        shares //= 2
+    size = max(1, -(-count // shares))
+    return [(start, min(start + size, count)) for start in range(0, count, size)]
+
+
+class _Workspace:
+    """What one thread needs: transforms, and the sum over the shell it is in."""
+
+    def __init__(self, shape: tuple[int, int, int], precision: str) -> None:
+        self.transforms = RealTransforms(shape, precision)
+        modes = shape[1] * (shape[2] // 2 + 1)
+        self.sum_re, self.sum_im = (
+            aligned_zeros((shape[0], modes), REAL[precision]) for _ in range(2)
+        )

@@ -1,0 +1,275 @@
+"""Compiled loops of the fast operator: a share of the sum over nodes (docs/method.md §2).
+
+Spectra are stored as a real transform leaves them, (n, [n,] n/2+1), with all axes but the first as one.
+Phases e^{iπ k·x/L} are outer products of one-dimensional vectors, so no n^d phase array is formed, and
+the vectors are powers of one exponential. The loops take both precisions: phases are powers in double
+precision, and everything over the modes is in that of the spectra.
+"""
+
+import numba
+import numpy as np
+
+from granstudy.collision.fourier.fftw import BACKWARD, FORWARD, execute
+
+_compile = numba.njit(nogil=True, cache=True, fastmath={"contract", "nsz", "arcp", "reassoc"})
+
+
+@_compile
+def phase_vector(angle, n, re, im):
+    """Re + i·im = e^{i·angle·k} for the wavenumbers k of one dimension of n points, in FFT order.
+
+    ``re``, ``im``: (n,) for a full axis, (n/2+1,) for the one a real transform halves, (1,) for one
+    that is not there. The unpaired mode k = −n/2 takes the mean of its two signs, cos(angle·n/2), which
+    keeps real functions real.
+    """
+    re[0], im[0] = 1.0, 0.0
+    if re.shape[0] == 1:
+        return
+    c, s = np.cos(angle), np.sin(angle)
+    a, b = 1.0, 0.0
+    for k in range(1, n // 2 + 1):
+        a, b = a * c - b * s, a * s + b * c
+        re[k], im[k] = a, b
+    im[n // 2] = 0.0
+    for k in range(n // 2 + 1, re.shape[0]):
+        re[k] = re[n - k]
+        im[k] = -im[n - k]
+
+
+@_compile
+def phase_plane(gy, gz, scale, n, ny, re, im):
+    """Re + i·im = scale · e^{i(k_y g_y + k_z g_z)} over the modes (k_y, k_z), flattened."""
+    nz = n // 2 + 1
+    yr, yi = np.empty(ny), np.empty(ny)
+    zr, zi = np.empty(nz), np.empty(nz)
+    phase_vector(gy, n, yr, yi)
+    phase_vector(gz, n, zr, zi)
+    for j in range(ny):
+        a, b = scale * yr[j], scale * yi[j]
+        for k in range(nz):
+            re[j * nz + k] = a * zr[k] - b * zi[k]
+            im[j * nz + k] = a * zi[k] + b * zr[k]
+
+
+@_compile
+def shift(f_re, f_im, g, out):
+    """Out = e^{−i k·g} f̂, the density displaced by g.
+
+    ``f_re``, ``f_im`` (n, m), m = n'(n/2+1) with n' = n in three dimensions and 1 in two; ``g`` (3,) in
+    units L/π; ``out`` (n, 2m), real and imaginary parts in turn.
+    """
+    n, m = f_re.shape
+    ny = m // (n // 2 + 1)
+    xr, xi = np.empty(n, out.dtype), np.empty(n, out.dtype)
+    pr, pi = np.empty(m, out.dtype), np.empty(m, out.dtype)
+    phase_vector(-g[0], n, xr, xi)
+    phase_plane(-g[1], -g[2], 1.0, n, ny, pr, pi)
+    for i in range(n):
+        c, s = xr[i], xi[i]
+        # One long loop over split parts: what compilers turn into vector instructions.
+        for q in range(m):
+            phase_re = c * pr[q] - s * pi[q]
+            phase_im = c * pi[q] + s * pr[q]
+            out[i, 2 * q] = phase_re * f_re[i, q] - phase_im * f_im[i, q]
+            out[i, 2 * q + 1] = phase_re * f_im[i, q] + phase_im * f_re[i, q]
+
+
+@_compile
+def multiply(density, f):
+    """Density *= f, rows (n n', n), of which those of the density are padded by an in-place transform."""
+    rows, n = f.shape
+    for j in range(rows):
+        for k in range(n):
+            density[j, k] *= f[j, k]
+
+
+@_compile
+def subtract_loss(gain, f, lost, Q):
+    """Q = gain − f·lost, rows (n n', n), those of gain and lost padded as in `multiply`."""
+    rows, n = f.shape
+    for j in range(rows):
+        for k in range(n):
+            Q[j, k] = gain[j, k] - f[j, k] * lost[j, k]
+
+
+@_compile
+def product(f_re, f_im, f, g, parts, rows, plans):
+    """The transform of f(v) f(v−g), left in ``parts`` (n, 2m), whose memory as density is ``rows``."""
+    shift(f_re, f_im, g, parts)
+    execute(plans, BACKWARD)
+    multiply(rows, f)
+    execute(plans, FORWARD)
+
+
+@_compile
+def sum_pairs(
+    beta,
+    means,
+    sum_re,
+    sum_im,
+    f_re,
+    f_im,
+    f,
+    vectors,
+    weights,
+    shells,
+    place,
+    parts,
+    rows,
+    plans,
+    gain,
+):
+    """Gain = the sum over antipodal pairs ±g for constant e.
+
+    gain = Σ_shells mean(|k|²) Σ_pairs weight · e^{i½k·g} · 2cos(βk·g) · FFT[f(v) f(v−g)].
+
+    ``means`` (shells, distinct |k|²); ``sum_re``, ``sum_im`` (n, m), work space; ``f_re``, ``f_im`` (n, m)
+    and ``f`` (n n', n), the density's half spectrum and values; ``vectors`` g (B, 3) in units L/π;
+    ``weights``, ``shells`` (B,); ``place`` (n, m) of each mode's |k|² among the distinct ones; ``parts``,
+    ``rows``, ``plans`` of a thread's transforms; ``gain`` (n, 2m), real and imaginary parts in turn.
+    """
+    gain[:] = 0.0
+    last = len(vectors) - 1
+    opens = True
+    for b in range(last + 1):
+        product(f_re, f_im, f, vectors[b], parts, rows, plans)
+        closes = b == last or shells[b + 1] != shells[b]
+        add_pair(
+            parts,
+            vectors[b],
+            weights[b],
+            beta,
+            opens,
+            closes,
+            means[shells[b]],
+            place,
+            sum_re,
+            sum_im,
+            gain,
+        )
+        opens = closes
+
+
+@_compile
+def pair_weight(c0, s0, c1, s1, pr, pi, q):
+    """Real and imaginary part of (c0 + i·s0)(pr + i·pi)[0] + (c1 + i·s1)(pr + i·pi)[1] at mode q."""
+    return (
+        c0 * pr[0, q] - s0 * pi[0, q] + c1 * pr[1, q] - s1 * pi[1, q],
+        c0 * pi[0, q] + s0 * pr[0, q] + c1 * pi[1, q] + s1 * pr[1, q],
+    )
+
+
+@_compile
+def add_pair(parts, g, weight, beta, opens, closes, mean, place, sum_re, sum_im, gain):
+    """Add a pair to its shell's sum, which ``opens`` from 0 and is added to ``gain`` where it ``closes``.
+
+    The cosine times the half-shift is e^{i(½+β)k·g} + e^{i(½−β)k·g}, two outer products. A shell with
+    one pair needs no sum.
+    """
+    n, m = sum_re.shape
+    ny = m // (n // 2 + 1)
+    xr, xi = np.empty((2, n), parts.dtype), np.empty((2, n), parts.dtype)
+    pr, pi = np.empty((2, m), parts.dtype), np.empty((2, m), parts.dtype)
+    for s in range(2):
+        factor = 0.5 + beta if s == 0 else 0.5 - beta
+        phase_vector(factor * g[0], n, xr[s], xi[s])
+        phase_plane(factor * g[1], factor * g[2], weight, n, ny, pr[s], pi[s])
+    row_mean = np.empty(m, parts.dtype)
+    # Rows k_x and −k_x in turn: they have the same means.
+    for turn in range(n):
+        i = (turn + 1) // 2 if turn % 2 == 1 else -(turn // 2) % n
+        if closes and i <= n // 2:
+            spread_means(mean, place[i], n, ny, row_mean)
+        c0, s0, c1, s1 = xr[0, i], xi[0, i], xr[1, i], xi[1, i]
+        if opens and closes:
+            for q in range(m):
+                weight_re, weight_im = pair_weight(c0, s0, c1, s1, pr, pi, q)
+                re, im = row_mean[q] * parts[i, 2 * q], row_mean[q] * parts[i, 2 * q + 1]
+                gain[i, 2 * q] += weight_re * re - weight_im * im
+                gain[i, 2 * q + 1] += weight_re * im + weight_im * re
+            continue
+        if opens:
+            for q in range(m):
+                sum_re[i, q] = 0.0
+                sum_im[i, q] = 0.0
+        for q in range(m):
+            weight_re, weight_im = pair_weight(c0, s0, c1, s1, pr, pi, q)
+            re, im = parts[i, 2 * q], parts[i, 2 * q + 1]
+            sum_re[i, q] += weight_re * re - weight_im * im
+            sum_im[i, q] += weight_re * im + weight_im * re
+        if closes:
+            for q in range(m):
+                gain[i, 2 * q] += row_mean[q] * sum_re[i, q]
+                gain[i, 2 * q + 1] += row_mean[q] * sum_im[i, q]
+
+
+@_compile
+def spread_means(mean, place, n, ny, row):
+    """Row (m,) = mean[place], gathered for k_y ≥ 0 and copied for k_y < 0."""
+    nz = n // 2 + 1
+    for j in range(ny):
+        if j <= ny // 2:
+            for k in range(nz):
+                row[j * nz + k] = mean[place[j * nz + k]]
+        else:
+            for k in range(nz):
+                row[j * nz + k] = row[(ny - j) * nz + k]
+
+
+@_compile
+def sum_series(
+    series, k2, radii, f_re, f_im, f, vectors, weights, shells, place, parts, rows, plans, gain
+):
+    """Gain = the sum over antipodal pairs ±g for e(|g·ω|): their weight is a series in (k̂·ĝ)².
+
+    gain = Σ_pairs weight · e^{i½k·g} · 2Σ_n series[shell, |k|², n] T_n(2(k̂·ĝ)²−1) · FFT[f(v) f(v−g)], by
+    Clenshaw's recurrence. Shapes as in `sum_pairs`; ``k2`` holds the distinct |k|², ``radii`` the
+    shells' ρ in units L/π.
+    """
+    n, m = place.shape
+    nz = n // 2 + 1
+    ny = m // nz
+    xr, xi = np.empty(n), np.empty(n)
+    pr, pi = np.empty(m), np.empty(m)
+    gain[:] = 0.0
+    for b in range(len(vectors)):
+        product(f_re, f_im, f, vectors[b], parts, rows, plans)
+        gx, gy, gz = vectors[b]
+        phase_vector(0.5 * gx, n, xr, xi)
+        phase_plane(0.5 * gy, 0.5 * gz, 2.0 * weights[b], n, ny, pr, pi)
+        rho2 = radii[shells[b]] ** 2
+        for i in range(n):
+            # An unpaired mode, whose sign is neither, counts as 0 in k·g: reflections hold exactly.
+            kx = i if i < nz - 1 else (0 if i == nz - 1 else i - n)
+            for q in range(m):
+                j, k = q // nz, q % nz
+                ky = j if j < nz - 1 else (0 if j == nz - 1 else j - n)
+                coefficients = series[shells[b], place[i, q]]
+                kz = k if k < nz - 1 else 0
+                k_dot_g = kx * gx + ky * gy + kz * gz
+                square = max(k2[place[i, q]], 1) * rho2
+                t = 2.0 * (2.0 * k_dot_g * k_dot_g / square - 1.0)
+                now, before = 0.0, 0.0
+                for order in range(coefficients.size - 1, 0, -1):
+                    now, before = t * now - before + coefficients[order], now
+                value = 0.5 * t * now - before + coefficients[0]
+                weight_re = value * (xr[i] * pr[q] - xi[i] * pi[q])
+                weight_im = value * (xr[i] * pi[q] + xi[i] * pr[q])
+                re, im = parts[i, 2 * q], parts[i, 2 * q + 1]
+                gain[i, 2 * q] += weight_re * re - weight_im * im
+                gain[i, 2 * q + 1] += weight_re * im + weight_im * re
+
+
+@_compile
+def nodal_loss(displacements, weights, loss):
+    """Loss = Σ_pairs weight · 2cos(m·g): the loss at the same nodes as the gain, a multiplier (n, m)."""
+    n, m = loss.shape
+    ny = m // (n // 2 + 1)
+    xr, xi = np.empty(n), np.empty(n)
+    pr, pi = np.empty(m), np.empty(m)
+    for b in range(displacements.shape[0]):
+        phase_vector(displacements[b, 0], n, xr, xi)
+        phase_plane(displacements[b, 1], displacements[b, 2], 2.0 * weights[b], n, ny, pr, pi)
+        for i in range(n):
+            for q in range(m):
+                loss[i, q] += xr[i] * pr[q] - xi[i] * pi[q]

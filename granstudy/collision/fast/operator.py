@@ -1,0 +1,158 @@
+"""The fast operator: the gain as a sum over nodes, the loss as one convolution.
+
+The loss is one convolution in both variants, since a sum over nodes of displaced densities is a
+multiplier. Where the scene and the rule have a symmetry group H in common (docs/method.md §2, fact 6), one
+node r of each orbit under H and ±1 is evaluated, with the orbit's weight, and the sum is symmetrised:
+
+    Q⁺ = (1/|H|) Σ_{h∈H} h·Σ_r w_r Q⁺_r
+
+For f that has the symmetry this equals, to round-off, the sum over all signed nodes h r, h ∈ H, each with
+w_r/|H|. It differs from the fast sum without H by aliasing alone: there each pair ±g is evaluated at one
+of its two nodes, here at r's images.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from granstudy.collision.fast import loops as kernels
+from granstudy.collision.fast.gain import Gain, GainSum
+from granstudy.collision.fast.nodes import Nodes, place_nodes
+from granstudy.collision.fourier.spectra import resize, serial_transforms
+from granstudy.collision.fourier.transforms import RealTransforms
+from granstudy.collision.operator import check_state
+from granstudy.collision.rules import directions, radial_nodes, reduce_directions
+from granstudy.collision.weights import loss_weight
+from granstudy.model.scene import Scene
+from granstudy.model.solver import Solver
+from granstudy.quadrature import half
+from granstudy.velocity.cartesian import VelocityGrid
+from granstudy.velocity.symmetry import Symmetry
+
+MakeGain = Callable[[Scene, Solver, VelocityGrid, Nodes], Gain]
+
+
+class NodalOperator:
+    """Q(f,f) for real f by a sum over given nodes.
+
+    Parameters
+    ----------
+    gain : Gain
+        On ``grid``, on a smaller grid that holds the spectra of f and of Q, or on a larger one, where the
+        products do not wrap around the spectrum; those of the loss are then formed there as well.
+    group : Symmetry
+        Under which the sum is symmetrised, and which densities must have.
+    loss : ndarray, shape (N, N', N/2+1)
+        G⁻ on the half spectrum of ``grid``.
+    """
+
+    def __init__(self, grid: VelocityGrid, gain: Gain, group: Symmetry, loss: np.ndarray) -> None:
+        self.grid = grid
+        self.gain = gain
+        self.group = group
+        self._loss = loss.astype(np.complex128)  # as NumPy multiplies spectra fastest
+        self._shape = (grid.N, grid.N if grid.dim == 3 else 1, grid.N)
+        self._single = RealTransforms(self._shape)
+        self._lost = RealTransforms(self._shape)
+        self._inner = self._single if gain.grid == grid else RealTransforms(gain.shape)
+        self.transforms = gain.transforms + serial_transforms(grid.N, gain.grid.N)
+
+    def __call__(self, f: np.ndarray) -> np.ndarray:
+        """Q(f,f) of a real density that has the operator's symmetry."""
+        check_state(f, self.grid)
+        if np.iscomplexobj(f):
+            raise ValueError(f"density has type {f.dtype}: method 'fast' takes real densities")
+        self.group.spot_check(f, "the density")
+        f = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
+        f_hat = self._spectrum(f)
+        if self.gain.grid.N > self.grid.N:
+            Q = self._single.backward(self._padded_spectrum(f_hat))
+        else:
+            self._filter_loss(f_hat)
+            self._single.spectrum[...] = self._gain_spectrum(f, f_hat)
+            self._single.execute_backward()
+            Q = np.empty_like(f)
+            rows = (-1, self.grid.N)
+            kernels.subtract_loss(
+                self._single.rows, f.reshape(rows), self._lost.rows, Q.reshape(rows)
+            )
+        # The loss has the symmetry already; with it, round-off that has not stays as small as it is.
+        return self.group.symmetrise(Q.reshape(self.grid.shape))
+
+    def loss(self, f: np.ndarray) -> np.ndarray:
+        """Q⁻(f,f) alone."""
+        wide = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
+        self._filter_loss(self._spectrum(wide))
+        return (wide * self._lost.density).reshape(f.shape)
+
+    def _spectrum(self, f: np.ndarray) -> np.ndarray:
+        """f̂ with Σ_k f̂_k e^{iπk·v/L} = f."""
+        self._single.density[...] = f
+        self._single.execute_forward()
+        return np.asarray(self._single.spectrum * (1.0 / f.size))
+
+    def _filter_loss(self, f_hat: np.ndarray) -> None:
+        """Make `_lost` the density that f is multiplied by in the loss."""
+        np.multiply(self._loss, f_hat, out=self._lost.spectrum)
+        self._lost.execute_backward()
+
+    def _gain_spectrum(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
+        n = self.gain.grid.N
+        if n == self.grid.N:
+            return self.gain.total(f, f_hat)
+        f_hat = resize(f_hat, n)
+        return resize(self.gain.total(self._inner.backward(f_hat), f_hat), self.grid.N)
+
+    def _padded_spectrum(self, f_hat: np.ndarray) -> np.ndarray:
+        """Q̂ with all products on the gain's larger grid."""
+        n = self.gain.grid.N
+        f_hat_n = resize(f_hat, n)
+        f_n = self._inner.backward(f_hat_n)
+        lost = self._inner.forward(f_n * self._inner.backward(resize(self._loss * f_hat, n)))
+        return resize(self.gain.total(f_n, f_hat_n) - lost / f_n.size, self.grid.N)
+
+    def transform(self) -> None:
+        """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
+        self._single.execute_forward()
+        self.gain.transform()
+        self._single.execute_backward()
+        if self.gain.grid.N > self.grid.N:
+            self._inner.execute_backward()
+            self._inner.execute_backward()
+            self._inner.execute_forward()
+            return
+        self._lost.execute_backward()
+        if self.gain.grid.N < self.grid.N:
+            self._inner.execute_backward()
+
+
+def gain_sum(scene: Scene, solver: Solver, grid: VelocityGrid, nodes: Nodes) -> GainSum:
+    """The sum over some nodes, on the solver's threads."""
+    return GainSum(scene, grid, nodes, solver.thread_count, precision=solver.precision)
+
+
+def fast_operator(scene: Scene, solver: Solver, make_gain: MakeGain = gain_sum) -> NodalOperator:
+    """The operator with the solver's rule: N_rho shells of equally many directions."""
+    grid = solver.grid(scene.dim)
+    radial, rule = radial_nodes(scene, solver), directions(scene, solver)
+    group, reduced = reduce_directions(rule, scene.symmetry)
+    nodes = place_nodes(scene, grid, radial, [reduced] * len(radial))
+    if solver.variant == "separate":
+        loss = loss_weight(scene.kernel, grid, radial.points, radial.weights, half=True)
+    else:
+        loss = nodal_loss(grid, place_nodes(scene, grid, radial, [half(rule)] * len(radial)))
+    products = VelocityGrid(scene.dim, solver.product_points, solver.R)
+    gain = make_gain(scene, solver, products, nodes)
+    return NodalOperator(grid, gain, group, spectrum_axes(grid, loss))
+
+
+def nodal_loss(grid: VelocityGrid, nodes: Nodes) -> np.ndarray:
+    """G⁻(m) by the gain's nodes, which keeps the mass to round-off (variant ``full``)."""
+    loss = np.zeros((grid.N, grid.N ** (grid.dim - 2) * (grid.N // 2 + 1)))
+    kernels.nodal_loss(nodes.vectors, nodes.weights * nodes.measure[nodes.shells], loss)
+    return loss
+
+
+def spectrum_axes(grid: VelocityGrid, multiplier: np.ndarray) -> np.ndarray:
+    """A multiplier on the half spectrum with three axes, as the transforms have."""
+    return multiplier.reshape(grid.N, grid.N if grid.dim == 3 else 1, -1)

@@ -1,0 +1,78 @@
+"""The radial operator: isotropic densities, Q(f,f)(r_i) = Σ_{j≤l} T[jl, i] f_j f_l (docs/method.md §7)."""
+
+from functools import cache
+from importlib.metadata import version
+
+import numba
+import numpy as np
+
+from granstudy.collision.operator import check_state
+from granstudy.collision.radial.tensor import unit_tensor
+from granstudy.model.isotropy import check_isotropic
+from granstudy.model.scene import Scene
+from granstudy.model.solver import Solver
+from granstudy.support.cache import cached_array
+from granstudy.support.fingerprint import fingerprint
+from granstudy.velocity.radial import RadialGrid
+
+LIBRARIES = ("numpy", "scipy")
+"""What the tensor is computed with."""
+
+
+class RadialOperator:
+    """Q(f,f) of isotropic densities with u = 0, on the solver's N radial nodes.
+
+    No quadrature but one to round-off: it converges spectrally in N to the truncated operator, as `direct`
+    does, at N³/2 multiplications a call. The tensor is computed once for each (d, N, λ, e) and
+    kept on disk (`granstudy.support.cache`).
+    """
+
+    transforms = 0
+
+    def __init__(self, scene: Scene, solver: Solver) -> None:
+        check_isotropic(scene, solver.R)
+        assert not callable(scene.restitution)
+        self.grid = grid = RadialGrid(scene.dim, solver.N, solver.R)
+        exponent, e = float(scene.kernel.exponent), float(scene.restitution)
+        unit = cached_array(
+            tensor_name(grid.dim, grid.N, exponent, e),
+            lambda: unit_tensor(grid.dim, grid.N, exponent, e, solver.thread_count),
+        )
+        self.tensor = scene.kernel.strength * grid.R ** (grid.dim + exponent) * unit
+
+    def __call__(self, f: np.ndarray) -> np.ndarray:
+        """Q(f,f) at the nodes, of a real density there."""
+        check_state(f, self.grid)
+        if np.iscomplexobj(f):
+            raise ValueError(f"density has type {f.dtype}: method 'radial' takes real densities")
+        return bilinear(self.tensor, np.ascontiguousarray(f, dtype=np.float64))
+
+    def transform(self) -> None:
+        """Make the transforms of one call and nothing else: there are none."""
+
+
+def tensor_name(dim: int, N: int, exponent: float, restitution: float) -> str:
+    """All that `unit_tensor` depends on: its parameters, its code and the libraries it computes with."""
+    parameters = f"{dim}d-N{N}-exponent{exponent!r}-e{restitution!r}"
+    return f"radial-{parameters}-{_code()}"
+
+
+@cache
+def _code() -> str:
+    libraries = "-".join(f"{name}{version(name)}" for name in LIBRARIES)
+    return f"{fingerprint(['granstudy.collision.radial.tensor'])}-{libraries}"
+
+
+@numba.njit(nogil=True, cache=True)
+def bilinear(T, f):
+    """Σ_{j≤l} T[jl, :] f_j f_l."""
+    n = f.size
+    Q = np.zeros(n)
+    pair = 0
+    for j in range(n):
+        for l in range(j, n):  # noqa: E741
+            product = f[j] * f[l]
+            for i in range(n):
+                Q[i] += T[pair, i] * product
+            pair += 1
+    return Q

@@ -1,0 +1,214 @@
+"""A forecast of a run: the method and why, what an evaluation of Q takes, seconds, memory, error."""
+
+import dataclasses
+from dataclasses import dataclass, replace
+from typing import Any
+
+from granstudy.collision.carleman.operator import CarlemanOperator
+from granstudy.collision.choice.cheapest import choose
+from granstudy.collision.choice.cost import (
+    evaluation_seconds,
+    expected_evaluations,
+    expected_steps,
+    memory_mb,
+    on_threads,
+    reduced_count,
+    setup_seconds,
+    step_seconds,
+    transform_count,
+)
+from granstudy.collision.fast.adaptive.operator import AdaptiveOperator
+from granstudy.collision.fast.adaptive.plan import QuadraturePlan
+from granstudy.collision.fast.adaptive.retuning import CHECK_EVERY
+from granstudy.collision.operator import collision_operator
+from granstudy.evolution.times import TimeSettings
+from granstudy.model.kernel import check_restitution
+from granstudy.model.scene import Scene
+from granstudy.model.solver import Solver
+from granstudy.particles.cost import particle_cost
+from granstudy.particles.restitution_table import alpha_table
+
+NOT_TIMED = "seconds are those of device 'cpu'"
+"""What is said of a run on a GPU: no constants of `granstudy.collision.choice.cost` are."""
+
+
+@dataclass(frozen=True, repr=False)
+class Forecast:
+    """What a run will be like, before it starts.
+
+    Attributes
+    ----------
+    method, reason : str
+        The method, and why where it was chosen.
+    dim, N, R
+        Velocity dimension, points (for `radial` speeds) and truncation radius.
+    nodes : int
+        Nodes of the sum an evaluation makes: pairs ±g or orbits of `fast`, all of `literal`; for
+        `carleman` products, for `radial` and `direct` 0.
+    transforms, n : int
+        Fourier transforms of an evaluation, and the points a dimension of most of them.
+    threads : int
+    seconds_per_evaluation : float
+    evaluations : int
+        Evaluations of the whole run; 1 where no time was given.
+    seconds : float
+        Of the whole run, its set-up included; starting Python and loading compiled loops are not.
+    memory_mb : int
+        Of the process.
+    error : float or None
+        Estimate of what ``rtol`` bounds (`Solver.rtol`), None where nothing estimates it.
+    plan : QuadraturePlan or None
+        The quadrature that a tolerance came to.
+    collisions : int
+        Of all particles together, for `dsmc`, which evaluates nothing.
+    """
+
+    method: str
+    reason: str
+    dim: int
+    N: int
+    R: float
+    nodes: int
+    transforms: int
+    n: int
+    threads: int
+    seconds_per_evaluation: float
+    evaluations: int
+    seconds: float
+    memory_mb: int
+    error: float | None
+    plan: QuadraturePlan | None
+    collisions: int = 0
+
+    def describe(self) -> dict[str, Any]:
+        """The forecast as plain data."""
+        return dataclasses.asdict(self)
+
+    def __repr__(self) -> str:
+        if self.method == "dsmc":
+            return (
+                f"Forecast: dsmc, box of N={self.N}, R={self.R:g} in {self.dim}D\n"
+                f"  the run: {self.collisions:.2g} collisions, {self.seconds:.2g} s on {self.threads} "
+                f"threads, {self.memory_mb} MB\n"
+                "  error: by the batches, when it has run"
+            )
+        error = "not estimated" if self.error is None else f"{self.error:.1e}"
+        lines = [
+            f"Forecast: {self.method}, N={self.N}, R={self.R:g} in {self.dim}D",
+            f"  why: {self.reason or 'as asked for'}",
+            f"  an evaluation: {self.nodes} nodes, {self.transforms} transforms of {self.n}^{self.dim}"
+            f" points, {self.seconds_per_evaluation:.2g} s"
+            if self.transforms
+            else f"  an evaluation: no transforms, {self.seconds_per_evaluation:.2g} s",
+            f"  the run: {self.evaluations} evaluations, {self.seconds:.2g} s on {self.threads} threads"
+            f", {self.memory_mb} MB",
+            f"  error of Q over max|Q|: {error}",
+        ]
+        return "\n".join(lines)
+
+
+def plan(
+    scene: Scene,
+    solver: Solver,
+    t_final: float | None = None,
+    dt: float | None = None,
+    time_rtol: float | None = None,
+    scheme: str | None = None,
+) -> Forecast:
+    """Say what a run will be like: of `simulate` where its times are given, else of one evaluation.
+
+    A tolerance is planned for as the run would, which takes about a second. How many steps `time_rtol` takes
+    is estimated within a factor 3. Of `dsmc` the collisions are counted along the law
+    of cooling.
+
+    Raises
+    ------
+    ValueError
+        For a bad scene, solver or time, or a tolerance out of reach, or a `dsmc` without times.
+    """
+    if (t_final is None) != (dt is None and time_rtol is None):
+        raise ValueError(f"t_final={t_final!r}, dt={dt!r}: give both, or neither")
+    steps, evaluations = 0, 1
+    if t_final is not None:
+        settings = TimeSettings(t_final, dt, time_rtol, scheme=scheme)  # type: ignore[arg-type]
+        steps = expected_steps(scene, settings)
+        evaluations = expected_evaluations(scene, settings)
+    if solver.method == "dsmc":
+        if t_final is None:
+            raise ValueError(
+                "t_final=None: method 'dsmc' has no evaluation of Q; give t_final and dt"
+            )
+        return _plan_particles(scene, solver, t_final, len(settings.recorded) - 1)
+    choice = choose(scene, solver)
+    solver = choice.solver
+    check_restitution(scene.restitution, largest_speed=solver.R)
+    quadrature, nodes, transforms, n = _count(scene, solver)
+    one_thread = evaluation_seconds(scene, solver, transforms, n)
+    threads = solver.thread_count
+    each = on_threads(one_thread, solver.method, threads)
+    # A tolerance is checked now and then by a finer quadrature, at about a step's time.
+    checks = 3 * steps / CHECK_EVERY if solver.rtol is not None and quadrature else 0.0
+    seconds = on_threads(setup_seconds(scene, solver, one_thread), solver.method, threads)
+    seconds += (evaluations + checks) * each + steps * step_seconds(scene, solver)
+    reasons = [choice.reason, NOT_TIMED if solver.device == "gpu" else ""]
+    return Forecast(
+        method=solver.method,
+        reason="; ".join(filter(None, reasons)),
+        dim=scene.dim,
+        N=solver.N,
+        R=float(solver.R),
+        nodes=nodes,
+        transforms=transforms,
+        n=n,
+        threads=threads,
+        seconds_per_evaluation=each,
+        evaluations=evaluations,
+        seconds=seconds,
+        memory_mb=memory_mb(scene, solver, transforms),
+        error=quadrature.error if quadrature else None,
+        plan=quadrature,
+    )
+
+
+def _plan_particles(scene: Scene, solver: Solver, t_final: float, steps: int) -> Forecast:
+    alpha_table(scene.restitution, solver.R)
+    cost, collisions = particle_cost(scene, solver, t_final, steps + 1)
+    threads = solver.thread_count
+    return Forecast(
+        method="dsmc",
+        reason="",
+        dim=scene.dim,
+        N=solver.N,
+        R=float(solver.R),
+        nodes=0,
+        transforms=0,
+        n=0,
+        threads=threads,
+        seconds_per_evaluation=0.0,
+        evaluations=0,
+        seconds=on_threads(cost.seconds, "dsmc", threads),
+        memory_mb=cost.memory_mb,
+        error=None,
+        plan=None,
+        collisions=collisions,
+    )
+
+
+def _count(scene: Scene, solver: Solver) -> tuple[QuadraturePlan | None, int, int, int]:
+    """The quadrature planned, the nodes, the exact number of transforms and their points a dimension."""
+    solver = replace(solver, device="cpu")  # the same sums, known without a GPU
+    if solver.operator == "adaptive" or solver.method == "carleman":
+        # How many they take is known when they are made.
+        operator = collision_operator(scene, solver)
+        if isinstance(operator, AdaptiveOperator):
+            made = operator.plan
+            return made, made.nodes, operator.transforms, made.n
+        assert isinstance(operator, CarlemanOperator)
+        return None, operator.transforms // 2 - 1, operator.transforms, solver.N
+    transforms = transform_count(scene, solver)
+    if solver.method == "fast":
+        assert solver.N_rho is not None
+        points = solver.product_points
+        return None, solver.N_rho * reduced_count(scene, solver), transforms, points
+    nodes = transforms // 2 - 1 if solver.method == "literal" else 0
+    return None, nodes, transforms, solver.N

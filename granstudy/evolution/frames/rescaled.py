@@ -1,0 +1,214 @@
+"""The equation on velocities that shrink and move with the gas (docs/method.md §5)."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from granstudy.evolution.frames.physical import physical_moments
+from granstudy.evolution.unknowns import Representation, Term, relative_change
+from granstudy.model.densities import InitialDensity
+from granstudy.model.scene import Scene
+from granstudy.model.solver import Solver
+
+ScaledCollisions = Callable[[np.ndarray, float], np.ndarray]
+"""(g, θ) ↦ Q(g,g) of particles whose restitution is e(θ|g·ω|)."""
+
+
+class Place(NamedTuple):
+    """What a state holds beside g."""
+
+    log_scale: float
+    """log θ"""
+    collision_time: float
+    """τ = ∫θ^λ dt"""
+    velocity: np.ndarray
+    """Bulk velocity u_f of f; the frame's is u = u_f − θu_g"""
+
+
+class RescaledFrame:
+    """f(t,v) = θ^{−d} g(t,c), c = (v − u)/θ, with θ and u such that g keeps its temperature and u_g.
+
+        ∂t g = θ^λ Q(g,g) + εθ^{−2} Δg + (θ'/θ) ∇c·(c g) + (u'/θ)·∇g
+
+    θ and u go by the temperature and the momentum of the first two terms, `balance`. What multiplies the
+    motions ∇c·(c g) and ∇g is θ'/θ and u'/θ but for what g has at the grid's border: it is taken such that
+    the discrete T_g and u_g stay as they are, `keeping`. Where mass and momentum are conserved u' = 0; a
+    drift moves the frame, as it would throw the gas out of a fixed one while velocities shrink.
+
+    A state is one array: g (or ĝ), then log θ, τ, and f's bulk velocity u_f = u + θu_g (none on a radial
+    grid).
+
+    Parameters
+    ----------
+    form : Representation
+        What is advanced of g.
+    collisions : callable
+        (g's state, θ) ↦ Q.
+    diffusion : float
+        ε.
+    exponent : float
+        λ.
+    velocity : ndarray, shape (d,)
+        u at the start.
+    """
+
+    def __init__(
+        self,
+        form: Representation,
+        collisions: ScaledCollisions,
+        diffusion: float,
+        exponent: float,
+        velocity: np.ndarray,
+    ) -> None:
+        self.form = form
+        self._collisions = collisions
+        self._epsilon = diffusion
+        self._exponent = exponent
+        self._velocity = velocity
+        self._laplacian = form.diffusion(1.0)
+        invariants = form.grid.invariants()
+        self._shape = form.grid.shape
+        self._nodes = int(np.prod(self._shape))
+        self._dim = form.grid.dim
+        self._moving = len(invariants["momentum"]) > 0
+        phi = np.concatenate(list(invariants.values())) * form.grid.measure
+        self._moments = phi.reshape(len(phi), -1)
+
+    def start(self, f: np.ndarray) -> np.ndarray:
+        """The state of g = f at θ = 1."""
+        m = self.form.grid.velocity_moments(f)
+        bulk = self._velocity + m.momentum / m.density
+        return self._join(self.form.state(f), 0.0, 0.0, bulk)
+
+    def rate(self, state: np.ndarray, taken_off: float = 0.0) -> np.ndarray:
+        """The rate of change, less ``taken_off`` Δg."""
+        g, place = self._split(state)
+        theta = np.exp(place.log_scale)
+        rate = theta**self._exponent * self._collisions(g, theta)
+        heating = self._epsilon * theta**-2
+        laplacian = self._laplacian(g) if self._epsilon else np.zeros_like(g)
+        motions = self._motions(g)
+        M = self._moments_of(g, rate + heating * laplacian, *motions)
+        shrinking, drift = balance(M[:, 0], M[:, 1], self._dim)
+        speeds = keeping(M[:, 0], M[:, 1], M[:, 2:])
+        rate = rate + (heating - taken_off) * laplacian
+        for speed, motion in zip(speeds, motions, strict=True):
+            rate = rate + speed * motion
+        return self._join(rate, shrinking, theta**self._exponent, theta * drift)
+
+    def _motions(self, g: np.ndarray) -> list[np.ndarray]:
+        """∇c·(c g) and ∇g; mass that they move out of the grid comes back in the shape of g."""
+        motions = [self.form.dilation(g), *self.form.gradient(g)]
+        mass, *lost = self._moments_of(g, *motions)[0]
+        return [motion - m / mass * g for motion, m in zip(motions, lost, strict=True)]
+
+    def _moments_of(self, *states: np.ndarray) -> np.ndarray:
+        """M_0, M_i and M_E (rows) of some states of g."""
+        return self._moments @ np.array([self.form.density(a).ravel() for a in states]).T
+
+    def collisions(self, state: np.ndarray) -> np.ndarray:
+        """Q(g,g) at the nodes c, without θ^λ."""
+        g, place = self._split(state)
+        return self.form.density(self._collisions(g, np.exp(place.log_scale)))
+
+    def clock(self, state: np.ndarray, time: float) -> float:
+        """The collisions' time: τ."""
+        return self._split(state)[1].collision_time
+
+    def diffusivity(self, state: np.ndarray) -> float:
+        """εθ^{−2}."""
+        return float(self._epsilon * np.exp(-2 * self._split(state)[1].log_scale))
+
+    def laplacian_functions(self, x: float, terms: Sequence[Term]) -> np.ndarray:
+        """Σ φ(xΔ) state over the terms; θ, τ and u_f do not diffuse."""
+        nodes = self._nodes
+        inner = [(phi, state[:nodes].reshape(self._shape)) for phi, state in terms]
+        g = self.form.laplacian_functions(x, inner)
+        rest = sum(phi(np.zeros(1)) * state[nodes:] for phi, state in terms)
+        return np.concatenate([g.ravel(), rest])
+
+    def density(self, state: np.ndarray) -> np.ndarray:
+        """The density g at the nodes c."""
+        return self.form.density(self._split(state)[0])
+
+    def record(self, values: dict[str, Any], state: np.ndarray) -> dict[str, Any]:
+        """Moments of f from those of g, and where the frame is."""
+        _, place = self._split(state)
+        theta = float(np.exp(place.log_scale))
+        return physical_moments(values, theta, place.velocity) | {
+            "velocity_scale": theta,
+            "frame_velocity": place.velocity - theta * values["velocity"],
+            "collision_time": place.collision_time,
+        }
+
+    def relative_size(self, change: np.ndarray, state: np.ndarray) -> float:
+        """Largest of the sizes of the changes of g (`relative_change`), of log θ, and of u_f over θ."""
+        size = relative_change(self.form, self._split(change)[0], self._split(state)[0])
+        moved = np.abs(change[self._nodes + 2 :]) * np.exp(-self._split(state)[1].log_scale)
+        return float(max(size, np.abs(change[self._nodes]), *moved))
+
+    def symmetrise(self, state: np.ndarray) -> np.ndarray:
+        """The state without what round-off did to the symmetry of g."""
+        g = self.form.symmetrise(self._split(state)[0])
+        return np.concatenate([g.ravel(), state[self._nodes :]])
+
+    def _split(self, state: np.ndarray) -> tuple[np.ndarray, Place]:
+        """The state of g, and what stands beside it."""
+        log_scale, collision_time, *velocity = state[self._nodes :].real
+        u = np.array(velocity) if self._moving else self._velocity
+        place = Place(float(log_scale), float(collision_time), u)
+        return state[: self._nodes].reshape(self._shape), place
+
+    def _join(
+        self, g: np.ndarray, log_scale: float, collision_time: float, velocity: np.ndarray
+    ) -> np.ndarray:
+        """One array of both."""
+        rest = [log_scale, collision_time, *(velocity if self._moving else ())]
+        return np.concatenate([g.ravel(), rest])
+
+
+def balance(M: np.ndarray, change: np.ndarray, dim: int) -> tuple[float, np.ndarray]:
+    """T'/(2T) and u_g' of a density with the moments M = (M_0, M_i, M_E) that change at the rates given.
+
+    With e = M_E/M_0 and dT = 2e − |u_g|²: the θ'/θ of docs/method.md §5 at any density.
+    """
+    u, e = M[1:-1] / M[0], M[-1] / M[0]
+    u_rate = (change[1:-1] - u * change[0]) / M[0]
+    e_rate = (change[-1] - e * change[0]) / M[0]
+    temperature = (2 * e - u @ u) / dim
+    return float((e_rate - u @ u_rate) / (dim * temperature)), u_rate
+
+
+def keeping(M: np.ndarray, change: np.ndarray, motions: np.ndarray) -> np.ndarray:
+    """Speeds s for which M_i/M_0 and M_E/M_0 do not change where M does at ``change`` + ``motions`` s."""
+    rates = np.column_stack([change, motions])
+    A = rates[1:] - np.outer(M[1:] / M[0], rates[0])
+    return np.linalg.solve(A[:, 1:], -A[:, 0])
+
+
+@dataclass(frozen=True)
+class Centred:
+    """An initial density seen from the velocity ``centre``: g(c) = f(u + c)."""
+
+    initial: InitialDensity
+    centre: tuple[float, ...]
+
+    def __call__(self, *c: np.ndarray) -> np.ndarray:
+        """Density at the velocities c."""
+        return self.initial(*(ci + ui for ci, ui in zip(c, self.centre, strict=True)))
+
+
+def centred(scene: Scene, solver: Solver) -> tuple[Scene, np.ndarray]:
+    """The scene seen from its bulk velocity u on the solver's grid, and u."""
+    grid = solver.grid(scene.dim)
+    m = grid.velocity_moments(scene.density(grid))
+    u = m.momentum / m.density
+    thermal = np.sqrt(np.trace(m.pressure) / (scene.dim * m.density))
+    # Round-off is no velocity: symmetric densities keep their digits.
+    u = np.where(np.abs(u) > 1e-10 * thermal, u, 0.0)
+    if not u.any():
+        return scene, u
+    initial = Centred(scene.initial, tuple(map(float, u)))  # type: ignore[arg-type]
+    return replace(scene, initial=initial), u

@@ -1,0 +1,174 @@
+"""One step of a Runge–Kutta scheme, with the error of a lower order beside it (docs/method.md §3)."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import factorial
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from granstudy.evolution.unknowns import Term
+
+
+class Equation(Protocol):
+    """y' = rate(y), of which κ(y) Δy is a part."""
+
+    def rate(self, y: np.ndarray, taken_off: float = 0.0) -> np.ndarray:
+        """The rate of change, less ``taken_off`` Δy."""
+
+    def diffusivity(self, y: np.ndarray) -> float:
+        """κ(y) ≥ 0."""
+
+    def laplacian_functions(self, x: float, terms: list[Term]) -> np.ndarray:
+        """Σ φ(xΔ) y over the ``terms`` (φ, y)."""
+
+
+class Step(NamedTuple):
+    """What a step of a scheme comes to."""
+
+    state: np.ndarray
+    error: np.ndarray
+    """Difference from the scheme of the next lower order."""
+    last: np.ndarray | None
+    """First rate of the next step, where the scheme has it."""
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """A one-step scheme.
+
+    Attributes
+    ----------
+    first : callable
+        (equation, y) ↦ the rate that a step from y begins with, whatever its size.
+    step : callable
+        (equation, y, h, first) ↦ `Step`.
+    evaluations : int
+        Rates a step, the first one included.
+    error_order : int
+        Order q of the lower scheme; the error goes like h^{q+1}.
+    real_limit, imaginary_limit : float
+        Largest h|z| for which y' = z y stays bounded, for z < 0 and for imaginary z.
+    exact_diffusion : bool
+        Whether the diffusion, exact, has no such limit.
+    """
+
+    first: Callable[[Equation, np.ndarray], np.ndarray]
+    step: Callable[[Equation, np.ndarray, float, np.ndarray], Step]
+    evaluations: int
+    error_order: int
+    real_limit: float
+    imaginary_limit: float
+    exact_diffusion: bool
+
+
+def rk3_step(
+    rhs: Callable[[np.ndarray], np.ndarray], f: np.ndarray, dt: float, k1: np.ndarray
+) -> Step:
+    """One step of Kutta's third-order scheme (paper eq. 48); the lower one is the midpoint rule."""
+    k2 = rhs(f + dt / 2 * k1)
+    k3 = rhs(f - dt * k1 + 2 * dt * k2)
+    return Step(f + dt / 6 * (k1 + 4 * k2 + k3), dt / 6 * (k1 - 2 * k2 + k3), None)
+
+
+DOPRI_STAGES = (
+    (1 / 5,),
+    (3 / 40, 9 / 40),
+    (44 / 45, -56 / 15, 32 / 9),
+    (19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729),
+    (9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656),
+    (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84),
+)
+"""Stages of J. Dormand & P. Prince, J. Comput. Appl. Math. 6, 19 (1980); the last is the solution."""
+
+DOPRI_ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40)
+"""Its solutions of fifth and of fourth order, their difference."""
+
+
+def dopri54_step(
+    rhs: Callable[[np.ndarray], np.ndarray], y: np.ndarray, h: float, first: np.ndarray
+) -> Step:
+    """One step of Dormand and Prince's pair of orders 5 and 4; its last rate is the next one's first."""
+    rates = [first]
+    for weights in DOPRI_STAGES:
+        new = y + h * sum(w * k for w, k in zip(weights, rates, strict=True) if w)
+        rates.append(rhs(new))
+    error = np.asarray(h * sum(w * k for w, k in zip(DOPRI_ERROR, rates, strict=True) if w))
+    return Step(new, error, rates[-1])
+
+
+def exponential_step(equation: Equation, y: np.ndarray, h: float, n1: np.ndarray) -> Step:
+    """Kutta's scheme with the diffusion κ(y)Δ exact: order 3 whatever the size of hκΔ.
+
+    ETD3RK of S. Cox & P. Matthews, J. Comput. Phys. 176, 430 (2002), eqs. 23 to 25, with κ as it is at the
+    start of the step and the change of κ among the rest of the rate, n. The lower scheme is the
+    exponential midpoint rule.
+    """
+    kappa = equation.diffusivity(y)
+    x = h * kappa
+
+    def linear(x: float, *terms: Term) -> np.ndarray:
+        return equation.laplacian_functions(x, list(terms))
+
+    n2 = equation.rate(linear(x / 2, (np.exp, y), (phi(1), h / 2 * n1)), kappa)
+    n3 = equation.rate(linear(x, (np.exp, y), (phi(1), h * (2 * n2 - n1))), kappa)
+    new = linear(
+        x,
+        (np.exp, y),
+        (lambda z: phi(1)(z) - 3 * phi(2)(z) + 4 * phi(3)(z), h * n1),
+        (lambda z: 4 * phi(2)(z) - 8 * phi(3)(z), h * n2),
+        (lambda z: 4 * phi(3)(z) - phi(2)(z), h * n3),
+    )
+    lower = linear(x, (np.exp, y), (phi(1), h * n1), (phi(2), 2 * h * (n2 - n1)))
+    return Step(new, new - lower, None)
+
+
+def phi(k: int) -> Callable[[np.ndarray], np.ndarray]:
+    """φ_k of exponential schemes, φ_0 = e^z and φ_k(z) = (φ_{k−1}(z) − 1/(k−1)!)/z, for z ≤ 0."""
+
+    def function(z: np.ndarray) -> np.ndarray:
+        z = np.asarray(z, dtype=float)
+        far = np.minimum(z, -1.0)
+        value = np.exp(far)
+        for j in range(k):
+            value = (value - 1 / factorial(j)) / far
+        # Near 0 the differences cancel: Σ z^j/(j+k)!, to round-off on |z| ≤ 1.
+        near = np.maximum(z, -1.0)
+        series = np.zeros_like(z)
+        for j in reversed(range(18)):
+            series = series * near + 1 / factorial(j + k)
+        return np.where(z < -1.0, value, series)
+
+    return function
+
+
+SCHEMES = {
+    "rk3": Scheme(
+        first=lambda equation, y: equation.rate(y),
+        step=lambda equation, y, h, first: rk3_step(equation.rate, y, h, first),
+        evaluations=3,
+        error_order=2,
+        real_limit=2.5127,
+        imaginary_limit=1.7320,
+        exact_diffusion=False,
+    ),
+    "dopri54": Scheme(
+        first=lambda equation, y: equation.rate(y),
+        step=lambda equation, y, h, first: dopri54_step(equation.rate, y, h, first),
+        evaluations=7,
+        error_order=4,
+        real_limit=3.3065,
+        imaginary_limit=0.9971,
+        exact_diffusion=False,
+    ),
+    "exponential": Scheme(
+        first=lambda equation, y: equation.rate(y, equation.diffusivity(y)),
+        step=exponential_step,
+        evaluations=3,
+        error_order=2,
+        real_limit=2.5127,
+        imaginary_limit=1.7320,
+        exact_diffusion=True,
+    ),
+}
+"""The schemes by name: the paper's, a pair of higher order, and the paper's with the diffusion exact."""

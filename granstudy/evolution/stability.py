@@ -1,0 +1,66 @@
+"""The largest steps that a scheme is stable with (docs/method.md §3)."""
+
+from granstudy.evolution.schemes import SCHEMES
+from granstudy.model.kernel import VHS, sphere_area
+from granstudy.support.errors import unknown_name
+from granstudy.velocity.space import VelocitySpace
+
+
+def stability_limit(
+    scheme: str,
+    grid: VelocitySpace,
+    *,
+    diffusion: float = 0.0,
+    collision_frequency: float = 0.0,
+    dilation_rate: float = 0.0,
+) -> float:
+    """Largest step that is stable for certain.
+
+    Diffusion and collisions damp: the highest mode decays at ε|Δ| + ν, and dt times that must be at most 2.51
+    (`rk3`), 3.31 (`dopri54`); `exponential` has the limit 2.51 for ν alone. |Δ| is the Laplacian's largest
+    eigenvalue, d(πN/2L)² on a Cartesian grid. Velocities that shrink carry: |θ'/θ| dt times the largest
+    eigenvalue of ∇c·(c ·), at most 0.35 πNd on a Cartesian grid, must be at most 1.73 (`rk3`,
+    `exponential`), 1.00 (`dopri54`).
+
+    Parameters
+    ----------
+    scheme : str
+        A name in `granstudy.evolution.schemes.SCHEMES`.
+    grid : VelocityGrid or RadialGrid
+    diffusion : float
+        ε; in a rescaled frame εθ^{−2}.
+    collision_frequency : float
+        ν, see `largest_frequency`; in a rescaled frame θ^λ ν.
+    dilation_rate : float
+        θ'/θ; 0 in a fixed frame.
+
+    Raises
+    ------
+    ValueError
+        For an unknown scheme.
+    """
+    if scheme not in SCHEMES:
+        raise unknown_name("scheme", scheme, list(SCHEMES))
+    made = SCHEMES[scheme]
+    damping = collision_frequency / made.real_limit
+    if not made.exact_diffusion:
+        damping += diffusion * grid.largest_laplacian / made.real_limit
+    carrying = abs(dilation_rate) * grid.largest_dilation / made.imaginary_limit
+    largest = max(damping, carrying)
+    return 1.0 / largest if largest > 0.0 else float("inf")
+
+
+def largest_frequency(kernel: VHS, dim: int, R: float, density: float = 1.0) -> float:
+    """ν = ρ|S|C_λ R^λ, the collision frequency of a particle that meets all others at the speed R."""
+    return float(density * sphere_area(dim) * kernel.strength * R**kernel.exponent)
+
+
+def step_warning(dt: float, scheme: str, limit: float) -> dict[str, str]:
+    """What to say of a step above the limit."""
+    if dt <= limit:
+        return {}
+    remedy = "time_rtol in its place" if scheme == "exponential" else "scheme='exponential'"
+    return {
+        "step": f"dt={dt:g} is above {limit:.3g}, up to which scheme {scheme!r} is stable: "
+        f"take a smaller dt, or {remedy}"
+    }

@@ -1,0 +1,178 @@
+"""From step to step: of one size, or of sizes that an error is controlled with (docs/method.md §3)."""
+
+from collections.abc import Iterator
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from granstudy.collision.operator import NotFiniteError
+from granstudy.evolution.schemes import Equation, Scheme, Step
+from granstudy.trust import health
+
+SAFETY = 0.9
+LEAST_CHANGE, LARGEST_CHANGE = 0.2, 5.0
+INTEGRAL, PROPORTIONAL = 0.7, 0.4
+"""h is taken times SAFETY · error^{−0.7/k} · (error before)^{0.4/k}, k the order of the error: the PI control
+of E. Hairer & G. Wanner, Solving Ordinary Differential Equations II, §IV.2."""
+
+LEAST_ERROR = 1e-4
+"""Errors over the tolerance count as this large at least."""
+
+SMALLEST_STEP = 1e-12
+"""Smallest step over the time reached, or over that of the first output where this is later."""
+
+
+class MeasuredEquation(Equation, Protocol):
+    """An equation that says how large a change is."""
+
+    def relative_size(self, change: np.ndarray, state: np.ndarray) -> float:
+        """Size of a change of the state, 1 being as large as the state itself."""
+
+    def symmetrise(self, state: np.ndarray) -> np.ndarray:
+        """The state without what round-off did to its symmetry."""
+
+
+class Point(NamedTuple):
+    """A state on the way."""
+
+    step: int
+    time: float
+    state: np.ndarray
+    is_output: bool
+
+
+class StoppedError(Exception):
+    """A run that cannot go on, and why."""
+
+    def __init__(self, step: int, time: float, reason: str) -> None:
+        super().__init__(f"step {step}, t = {time:g}: {reason}")
+
+
+class FixedSteps:
+    """Steps of one size, each an output."""
+
+    def __init__(self, equation: MeasuredEquation, scheme: Scheme, dt: float, steps: int) -> None:
+        self._equation, self._scheme = equation, scheme
+        self._dt, self._steps = dt, steps
+        self.outputs = steps + 1
+
+    def march(self, state: np.ndarray) -> Iterator[Point]:
+        """Every state from the first one on.
+
+        Raises
+        ------
+        StoppedError
+            If a state is not finite.
+        """
+        yield Point(0, 0.0, state, True)
+        for step in range(1, self._steps + 1):
+            try:
+                first = self._scheme.first(self._equation, state)
+                state = self._scheme.step(self._equation, state, self._dt, first).state
+            except NotFiniteError:
+                raise StoppedError(step, step * self._dt, health.NOT_FINITE) from None
+            yield Point(step, step * self._dt, state, True)
+
+    def equation_changed(self) -> None:
+        """Take note that rates are others than before: none is kept."""
+
+
+class AdaptiveSteps:
+    """Steps whose estimated relative error is at most ``rtol``, hitting the output ``times``.
+
+    Attributes
+    ----------
+    accepted, rejected, evaluations : int
+        Steps made and steps taken back so far, and the rates computed for them.
+    """
+
+    def __init__(
+        self, equation: MeasuredEquation, scheme: Scheme, times: np.ndarray, rtol: float
+    ) -> None:
+        self._equation, self._scheme = equation, scheme
+        self._times, self._rtol = times, rtol
+        self.outputs = len(times)
+        self.accepted = self.rejected = self.evaluations = 0
+        self._first: np.ndarray | None = None
+        self._before = 1.0
+
+    def march(self, state: np.ndarray) -> Iterator[Point]:
+        """Every state from the first one, at t = 0, on.
+
+        Raises
+        ------
+        StoppedError
+            If no step is small enough.
+        """
+        t = 0.0
+        yield Point(0, 0.0, state, True)
+        h = self._first_step(state)
+        for target in self._times[1:]:
+            while t < target:
+                rest = target - t
+                # Two equal steps to an output that one would miss by little.
+                tried = rest if h >= rest else min(h, rest / 2)
+                made, error = self._try(state, tried)
+                following = self._next_step(tried, error)
+                if made is None or error > 1.0:
+                    self.rejected += 1
+                    h = following
+                    if h < SMALLEST_STEP * max(t, self._times[1]):
+                        raise StoppedError(self.accepted + 1, t, TOO_SMALL.format(h=h))
+                    continue
+                h = max(following, h) if tried < h else following
+                hit = tried == rest
+                t = float(target) if hit else t + tried
+                # A step is as large as its error allows, so that what is not stable grows to the tolerance.
+                state = self._equation.symmetrise(made.state)
+                self.accepted += 1
+                self._first = made.last
+                yield Point(self.accepted, t, state, hit)
+
+    def equation_changed(self) -> None:
+        """Take note that rates are others than before."""
+        self._first = None
+
+    def describe(self) -> dict[str, int]:
+        """The counts as plain data."""
+        return {
+            "accepted": self.accepted,
+            "rejected": self.rejected,
+            "evaluations": self.evaluations,
+        }
+
+    def _try(self, state: np.ndarray, h: float) -> tuple[Step | None, float]:
+        """A step and its error over the tolerance; none where something was not finite."""
+        try:
+            if self._first is None:
+                self._first = self._scheme.first(self._equation, state)
+                self.evaluations += 1
+            self.evaluations += self._scheme.evaluations - 1
+            made = self._scheme.step(self._equation, state, h, self._first)
+        except NotFiniteError:
+            return None, np.inf
+        error = self._equation.relative_size(made.error, state) / self._rtol
+        return made, error if np.isfinite(error) else np.inf
+
+    def _next_step(self, h: float, error: float) -> float:
+        """The step to try next, after one of ``h`` with this error."""
+        k = self._scheme.error_order + 1
+        error = max(error, LEAST_ERROR)
+        factor = SAFETY * error ** (-INTEGRAL / k) * self._before ** (PROPORTIONAL / k)
+        if error > 1.0:
+            return h * max(LEAST_CHANGE, min(SAFETY, factor))
+        self._before = error
+        return h * min(LARGEST_CHANGE, max(LEAST_CHANGE, factor))
+
+    def _first_step(self, state: np.ndarray) -> float:
+        """A hundredth of the time in which the state changes by its own size."""
+        self._first = self._scheme.first(self._equation, state)
+        self.evaluations += 1
+        change = self._equation.relative_size(self._first, state)
+        return 0.01 / max(change, 0.01 / self._times[1])
+
+
+TOO_SMALL = (
+    "the step fell to {h:.1e} and its error is still above time_rtol: take a larger time_rtol, or a "
+    "larger N and R"
+)

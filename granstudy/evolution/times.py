@@ -1,0 +1,134 @@
+"""How a run goes through time: how long, in which steps and scheme, in which frame, what it conserves."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from granstudy.evolution.conservation import INVARIANTS
+from granstudy.evolution.schemes import SCHEMES
+from granstudy.support.errors import unknown_name
+
+FRAMES = ("fixed", "rescaled")
+
+FIRST_TIME = 1e-2
+"""First output of an adaptive run, where t_final is a hundred times as long or more."""
+
+PER_DECADE = 10
+"""Outputs a decade of an adaptive run."""
+
+
+@dataclass(frozen=True)
+class TimeSettings:
+    """How a run goes through time; see `granstudy.simulate`.
+
+    Raises
+    ------
+    ValueError
+        If a field is not what `granstudy.simulate` allows; the message names field, value and allowed.
+    """
+
+    t_final: float
+    dt: float | None = None
+    time_rtol: float | None = None
+    times: Sequence[float] | np.ndarray | None = None
+    frame: str = "fixed"
+    scheme: str = None  # type: ignore[assignment]  # a name from __post_init__ on
+    conserve: Sequence[str] = ()
+    save_every: int | None = None
+
+    def __post_init__(self) -> None:
+        _check_positive("t_final", self.t_final)
+        if (self.dt is None) == (self.time_rtol is None):
+            raise ValueError(
+                f"dt={self.dt!r}, time_rtol={self.time_rtol!r}: give one, a step or its tolerance"
+            )
+        if self.frame not in FRAMES:
+            raise unknown_name("frame", self.frame, FRAMES)
+        if self.scheme is None:
+            object.__setattr__(self, "scheme", "rk3" if self.time_rtol is None else "dopri54")
+        if self.scheme not in SCHEMES:
+            raise unknown_name("scheme", self.scheme, list(SCHEMES))
+        if isinstance(self.conserve, str) or not isinstance(self.conserve, Sequence):
+            allowed = ", ".join(INVARIANTS)
+            raise ValueError(f"conserve={self.conserve!r}: must be a sequence out of {allowed}")
+        for name in self.conserve:
+            if name not in INVARIANTS:
+                raise unknown_name("invariant in conserve", name, INVARIANTS)
+        ordered = tuple(name for name in INVARIANTS if name in self.conserve)
+        object.__setattr__(self, "conserve", ordered)
+        every = self.save_every
+        if every is not None and (not isinstance(every, int) or every < 1):
+            raise ValueError(f"save_every={every!r}: must be a positive integer or None")
+        if self.time_rtol is None:
+            _ = self.steps
+            if self.times is not None:
+                raise ValueError(
+                    f"times={self.times!r}: only with time_rtol; with dt every step is an output"
+                )
+        else:
+            self._check_adaptive()
+
+    def _check_adaptive(self) -> None:
+        rtol = self.time_rtol
+        _check_positive("time_rtol", rtol)
+        assert rtol is not None
+        if not 1e-13 <= rtol < 1.0:
+            raise ValueError(f"time_rtol={rtol!r}: must be a number between 1e-13 and 1")
+        if self.times is not None:
+            times = np.asarray(self.times, dtype=float)
+            if times.ndim != 1 or not np.all(np.diff(times, prepend=0.0) > 0.0):
+                raise ValueError(f"times={self.times!r}: must be positive and increase")
+            if times.size and times[-1] > self.t_final:
+                raise ValueError(
+                    f"times={self.times!r}: the last must be t_final={self.t_final!r} at most"
+                )
+
+    @property
+    def steps(self) -> int:
+        """Number of steps of the size ``dt``."""
+        assert self.dt is not None
+        return step_count(self.t_final, self.dt)
+
+    @property
+    def outputs(self) -> np.ndarray:
+        """Times of an adaptive run's outputs, 0 and t_final among them."""
+        if self.times is None:
+            first = min(FIRST_TIME, self.t_final / 100)
+            count = 1 + int(np.ceil(PER_DECADE * np.log10(self.t_final / first)))
+            inner = np.geomspace(first, self.t_final, count)[:-1]
+        else:
+            inner = np.asarray(self.times, dtype=float)
+            inner = inner[inner < self.t_final]
+        return np.array([0.0, *inner, self.t_final])
+
+    @property
+    def recorded(self) -> np.ndarray:
+        """Times at which moments are recorded."""
+        if self.time_rtol is not None:
+            return self.outputs
+        assert self.dt is not None
+        return self.dt * np.arange(self.steps + 1)
+
+    def coordinates(self) -> dict[str, Any]:
+        """What a dataset says of it, by scalar coordinate."""
+        step = {"dt": self.dt} if self.time_rtol is None else {"time_rtol": self.time_rtol}
+        conserve = "-".join(self.conserve) or "none"
+        return {"frame": self.frame, "scheme": self.scheme, "conserve": conserve, **step}
+
+
+def step_count(t_final: float, dt: float) -> int:
+    """Number of steps, or ValueError where ``t_final`` is not a whole number of them."""
+    for field, value in (("t_final", t_final), ("dt", dt)):
+        _check_positive(field, value)
+    steps = round(t_final / dt)
+    if steps < 1 or abs(steps * dt - t_final) > 1e-9 * t_final:
+        raise ValueError(f"dt={dt!r}: t_final={t_final!r} must be a whole number of steps")
+    return steps
+
+
+def _check_positive(field: str, value: object) -> None:
+    is_number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+    if not (is_number and np.isfinite(value) and value > 0):  # type: ignore[call-overload, operator]
+        raise ValueError(f"{field}={value!r}: must be a positive number")

@@ -1,0 +1,143 @@
+"""What a run advances: a density's values at the nodes, or its Fourier coefficients f̂."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import scipy.fft
+
+from granstudy.collision.operator import CollisionOperator, SpectrumOperator
+from granstudy.velocity.cartesian import VelocityGrid
+from granstudy.velocity.space import VelocitySpace
+from granstudy.velocity.symmetry import Symmetry
+
+Term = tuple[Callable[[np.ndarray], np.ndarray], np.ndarray]
+"""A function of the Laplacian, and the state that it acts on."""
+
+
+class Representation(Protocol):
+    """The linear operators of docs/method.md §1 and §5 on states of one kind; see `VelocitySpace`."""
+
+    @property
+    def grid(self) -> VelocitySpace: ...  # noqa: D102
+
+    def state(self, f: np.ndarray) -> np.ndarray:
+        """The state of a density."""
+
+    def density(self, state: np.ndarray) -> np.ndarray:
+        """The density of a state."""
+
+    def diffusion(self, epsilon: float) -> Callable[[np.ndarray], np.ndarray]:
+        """State ↦ ε Δ state."""
+
+    def laplacian_functions(self, x: float, terms: Sequence[Term]) -> np.ndarray:
+        """Σ φ(xΔ) state over the terms."""
+
+    def gradient(self, state: np.ndarray) -> list[np.ndarray]:
+        """∂i of the state."""
+
+    def dilation(self, state: np.ndarray) -> np.ndarray:
+        """∇v·(v state)."""
+
+    def symmetrise(self, state: np.ndarray) -> np.ndarray:
+        """The state without what round-off and instability did to the symmetry that the operator uses."""
+
+
+@dataclass(frozen=True)
+class Values:
+    """Real densities by their values at the nodes of any grid, with a symmetry on a Cartesian one."""
+
+    grid: VelocitySpace
+    symmetry: Symmetry | None = None
+
+    def state(self, f: np.ndarray) -> np.ndarray:
+        """The density itself."""
+        return f
+
+    def density(self, state: np.ndarray) -> np.ndarray:
+        """The state itself."""
+        return state
+
+    def diffusion(self, epsilon: float) -> Callable[[np.ndarray], np.ndarray]:
+        """State ↦ ε Δ state."""
+        return lambda f: epsilon * self.grid.laplacian(f)
+
+    def laplacian_functions(self, x: float, terms: Sequence[Term]) -> np.ndarray:
+        """Σ φ(xΔ) state over the terms."""
+        return self.grid.laplacian_functions(x, terms)
+
+    def gradient(self, state: np.ndarray) -> list[np.ndarray]:
+        """∂i of the state."""
+        return self.grid.gradient(state)
+
+    def dilation(self, state: np.ndarray) -> np.ndarray:
+        """∇v·(v state)."""
+        return self.grid.dilation(state)
+
+    def symmetrise(self, state: np.ndarray) -> np.ndarray:
+        """The state's mean over the symmetry."""
+        return state if self.symmetry is None else self.symmetry.symmetrise(state)
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """Densities by f̂ on a Cartesian grid, complex and never projected on real f (`literal`)."""
+
+    grid: VelocityGrid
+
+    def state(self, f: np.ndarray) -> np.ndarray:
+        """f̂, normalised by N^d."""
+        return scipy.fft.fftn(f, norm="forward")
+
+    def density(self, state: np.ndarray) -> np.ndarray:
+        """The real part of f."""
+        return scipy.fft.ifftn(state, norm="forward").real
+
+    def diffusion(self, epsilon: float) -> Callable[[np.ndarray], np.ndarray]:
+        """State ↦ ε Δ state, by the multiplier −ε(π|k|/L)² (docs/method.md §3)."""
+        multiplier = -epsilon * (np.pi / self.grid.L) ** 2 * self.grid.wavenumber_squared()
+        return lambda f_hat: multiplier * f_hat
+
+    def laplacian_functions(self, x: float, terms: Sequence[Term]) -> np.ndarray:
+        """Σ φ(xΔ) state over the terms."""
+        eigenvalues = -((np.pi / self.grid.L) ** 2) * self.grid.wavenumber_squared()
+        return np.asarray(sum(phi(x * eigenvalues) * f_hat for phi, f_hat in terms))
+
+    def gradient(self, state: np.ndarray) -> list[np.ndarray]:
+        """∂i of the state."""
+        return [self.state(part) for part in self.grid.gradient(self._values(state))]
+
+    def dilation(self, state: np.ndarray) -> np.ndarray:
+        """∇v·(v state)."""
+        return self.state(self.grid.dilation(self._values(state)))
+
+    def symmetrise(self, state: np.ndarray) -> np.ndarray:
+        """The state itself: `literal` uses no symmetry."""
+        return state
+
+    def _values(self, state: np.ndarray) -> np.ndarray:
+        """Complex f: its imaginary part is advanced too."""
+        return scipy.fft.ifftn(state, norm="forward")
+
+
+def representation(operator: CollisionOperator, symmetry: Symmetry) -> Representation:
+    """What runs with this operator advance, of densities with this symmetry."""
+    if isinstance(operator, SpectrumOperator):
+        return Spectrum(operator.grid)
+    return Values(operator.grid, symmetry if isinstance(operator.grid, VelocityGrid) else None)
+
+
+def collisions(operator: CollisionOperator) -> Callable[[np.ndarray], np.ndarray]:
+    """Q as a function of such states."""
+    return operator.spectrum if isinstance(operator, SpectrumOperator) else operator
+
+
+def relative_change(form: Representation, change: np.ndarray, state: np.ndarray) -> float:
+    """Largest change of the density over its largest value; ∫|v|⁴|change| over ∫|v|⁴|f| if that is more.
+
+    The fourth moment sees noise at the grid's border long before it is large.
+    """
+    delta, f = np.abs(form.density(change)), np.abs(form.density(state))
+    v4 = sum(np.square(v) for v in form.grid.velocities()) ** 2 * form.grid.measure
+    return float(max(np.max(delta) / np.max(f), np.sum(v4 * delta) / np.sum(v4 * f)))

@@ -1,0 +1,60 @@
+"""Whether a scene is one of isotropic densities about u = 0."""
+
+import numpy as np
+
+from granstudy.model.scene import Scene
+from granstudy.velocity.radial import BALL_RATIO
+
+SPEEDS = 64
+"""Speeds at which an initial density is compared between directions."""
+
+DIRECTIONS = 24
+"""Directions compared, at angles that no symmetry of a lattice or of the axes relates."""
+
+TOLERANCE = 1e-10
+"""Largest difference between directions over the largest value: the round-off of smooth densities."""
+
+GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
+
+
+def check_isotropic(scene: Scene, R: float) -> None:
+    """Raise ValueError unless the method ``radial`` can model the scene, truncated at R.
+
+    The initial density must be isotropic about v = 0 on the ball |v| < L, which is verified at
+    `SPEEDS` speeds in `DIRECTIONS` directions, and the restitution a constant.
+    """
+    if callable(scene.restitution):
+        raise ValueError(
+            f"restitution={scene.restitution!r}: method 'radial' takes a constant, not a function of "
+            "the impact speed; take method 'fast'"
+        )
+    assert callable(scene.initial)
+    speeds = BALL_RATIO * R * (np.arange(SPEEDS) + 0.5) / SPEEDS
+    v = [np.outer(speeds, component) for component in directions(scene.dim).T]
+    f = np.asarray(scene.initial(*v))
+    if f.shape != v[0].shape:
+        raise ValueError(
+            f"initial={scene.initial!r}: must return an array of the shape of its velocity "
+            f"components, got {f.shape} for {v[0].shape}"
+        )
+    if not np.all(np.isfinite(f)):
+        raise ValueError(f"initial={scene.initial!r}: returns NaN or infinite values")
+    spread = np.ptp(f, axis=1)
+    worst = int(np.argmax(spread))
+    if spread[worst] > TOLERANCE * np.max(np.abs(f)):
+        low, high = f[worst].min(), f[worst].max()
+        raise ValueError(
+            f"initial={scene.initial!r}: method 'radial' needs a density that is isotropic about "
+            f"v = 0; at |v| = {speeds[worst]:.3g} this one goes from {low:.3g} to {high:.3g} with the "
+            "direction; take method 'fast'"
+        )
+
+
+def directions(dim: int) -> np.ndarray:
+    """`DIRECTIONS` unit vectors spread by the golden ratio, shape (n, dim)."""
+    angle = 2.0 * np.pi * GOLDEN * np.arange(DIRECTIONS)
+    circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    if dim == 2:
+        return circle
+    height = 1.0 - (2.0 * np.arange(DIRECTIONS) + 1.0) / DIRECTIONS
+    return np.column_stack([np.sqrt(1.0 - height**2)[:, None] * circle, height])

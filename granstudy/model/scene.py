@@ -1,0 +1,202 @@
+"""Scene: what is modelled — density, kernel, restitution, diffusion, symmetry."""
+
+import dataclasses
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from granstudy.model.densities import (
+    Bkw2D,
+    Bkw3D,
+    DoubleWell2D,
+    DoubleWell3D,
+    InitialDensity,
+    Maxwellian,
+    PowerLaw,
+    ThreeGaussians3D,
+    TwoBeams,
+    UniformBall,
+)
+from granstudy.model.kernel import VHS, Restitution, check_restitution, maxwell
+from granstudy.model.stated_moments import StatedMoments
+from granstudy.support.errors import unknown_name
+from granstudy.velocity.cartesian import VelocityGrid
+from granstudy.velocity.space import VelocitySpace
+from granstudy.velocity.symmetry import Symmetry
+
+INITIAL_DENSITIES: dict[str, Callable[..., InitialDensity]] = {
+    "bkw2d": Bkw2D,
+    "bkw3d": Bkw3D,
+    "double_well2d": DoubleWell2D,
+    "double_well3d": DoubleWell3D,
+    "three_gaussians3d": ThreeGaussians3D,
+    "maxwellian2d": partial(Maxwellian, 2),
+    "maxwellian3d": partial(Maxwellian, 3),
+    "uniform_ball2d": partial(UniformBall, 2),
+    "uniform_ball3d": partial(UniformBall, 3),
+    "power_law2d": partial(PowerLaw, 2),
+    "power_law3d": partial(PowerLaw, 3),
+    "two_beams2d": partial(TwoBeams, 2),
+    "two_beams3d": partial(TwoBeams, 3),
+}
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What is modelled: ∂t f − ε Δv f = Q(f,f), f(0) = initial.
+
+    Attributes
+    ----------
+    dim : int
+        Velocity dimension, 2 or 3.
+    initial : str or callable
+        Name out of `INITIAL_DENSITIES`, or a function of ``dim`` broadcastable velocity components.
+    kernel : VHS
+        Collision kernel B(|g|).
+    restitution : float or callable
+        e, or e as a function of the normal impact speed |g·ω|.
+    diffusion : float
+        ε ≥ 0, the heating.
+    symmetry : Symmetry, str or None
+        Signed permutations of the axes that leave the initial density, and with it every later one, as
+        it is: a group or its name (``none``, ``inversion``, ``reflections``, ``exchange``, ``full``).
+        None takes what the density itself declares as its ``symmetry``; a plain function declares
+        none. It is verified where the density is put on a grid.
+
+    Raises
+    ------
+    ValueError
+        If a field is outside what is stated above; the message names field, value and allowed.
+    """
+
+    dim: int
+    initial: str | Callable[..., np.ndarray]
+    kernel: VHS
+    restitution: Restitution = 1.0
+    diffusion: float = 0.0
+    symmetry: Symmetry = None  # type: ignore[assignment]  # a Symmetry from __post_init__ on
+
+    def __post_init__(self) -> None:
+        if self.dim not in (2, 3):
+            raise ValueError(f"dim={self.dim!r}: allowed are 2 and 3")
+        if not isinstance(self.kernel, VHS):
+            raise ValueError(f"kernel={self.kernel!r}: must be a granstudy.VHS")
+        check_restitution(self.restitution)
+        if (
+            isinstance(self.diffusion, bool)
+            or not isinstance(self.diffusion, (int, float, np.number))
+            or not (np.isfinite(self.diffusion) and self.diffusion >= 0.0)
+        ):
+            raise ValueError(f"diffusion={self.diffusion!r}: must be a number of at least 0")
+        if not callable(self.initial):
+            make = _named_initial(self.initial)
+            object.__setattr__(self, "initial", make())
+        own_dim = getattr(self.initial, "dim", self.dim)
+        if own_dim != self.dim:
+            raise ValueError(f"initial={self.initial!r}: has dim {own_dim}, the scene {self.dim}")
+        object.__setattr__(self, "symmetry", self._group(self.symmetry))
+
+    def _group(self, declared: Symmetry | str | None) -> Symmetry:
+        if declared is None:
+            declared = getattr(self.initial, "symmetry", "none")
+        group = Symmetry.named(self.dim, declared) if isinstance(declared, str) else declared
+        if not isinstance(group, Symmetry):
+            raise ValueError(f"symmetry={declared!r}: must be a granstudy.Symmetry or its name")
+        if group.dim != self.dim:
+            raise ValueError(f"symmetry={group!r}: has dim {group.dim}, the scene {self.dim}")
+        return group
+
+    @property
+    def moments(self) -> StatedMoments | None:
+        """Moments of the initial density in closed form, or None where it does not state them."""
+        return getattr(self.initial, "moments", None)
+
+    def density(self, grid: VelocitySpace) -> np.ndarray:
+        """Initial density on a grid, shape ``grid.shape``.
+
+        Raises
+        ------
+        ValueError
+            If the grid's dimension is another one, or the density is not finite or of another
+            shape than the grid, or has no mass there, or lacks the declared symmetry.
+        """
+        if grid.dim != self.dim:
+            raise ValueError(f"grid has dim {grid.dim}: the scene has dim {self.dim}")
+        assert callable(self.initial)
+        f = check_density(np.asarray(self.initial(*grid.velocities())), grid)
+        if isinstance(grid, VelocityGrid):
+            self.symmetry.check(f, f"initial={self.initial!r}")
+        return f
+
+    def describe(self) -> dict[str, Any]:
+        """The scene as plain data, for a dataset's attributes."""
+        return {
+            "dim": self.dim,
+            "initial": repr(self.initial),
+            "kernel": dataclasses.asdict(self.kernel),
+            "restitution": (
+                repr(self.restitution) if callable(self.restitution) else float(self.restitution)
+            ),
+            "diffusion": float(self.diffusion),
+            "symmetry": self.symmetry.name,
+        }
+
+
+def check_density(f: np.ndarray, grid: VelocitySpace) -> np.ndarray:
+    """Return ``f`` as float64 or raise ValueError: shape, finiteness and mass on the grid."""
+    if np.shape(f) != grid.shape:
+        raise ValueError(f"density has shape {np.shape(f)}: the grid's is {grid.shape}")
+    if np.iscomplexobj(f) or not np.issubdtype(np.asarray(f).dtype, np.number):
+        raise ValueError(f"density has type {np.asarray(f).dtype}: must be real numbers")
+    f = np.ascontiguousarray(f, dtype=np.float64)
+    if not np.all(np.isfinite(f)):
+        bad = int(np.size(f) - np.count_nonzero(np.isfinite(f)))
+        raise ValueError(f"density holds {bad} values that are NaN or infinite: all must be finite")
+    if not f.sum() > 0.0:
+        raise ValueError("density has no mass on the grid: its sum must be positive")
+    return f
+
+
+def scene_names() -> list[str]:
+    """Names that `load_scene` knows."""
+    return sorted(INITIAL_DENSITIES)
+
+
+def load_scene(name: str, **overrides: Any) -> Scene:
+    """Named scene, any field overridden.
+
+    The paper's kernel (Maxwell molecules of unit cross-section) and its ε = 10⁻⁶ are the defaults. In 2D
+    and 3D, ``maxwellian`` also takes ``temperature`` and ``velocity``, ``uniform_ball`` a ``temperature``,
+    ``power_law`` a ``temperature`` and its ``tail``, ``two_beams`` their ``temperature`` and ``separation``.
+
+    Raises
+    ------
+    ValueError
+        For an unknown name or override, or a value its field does not allow.
+    """
+    make = _named_initial(name)
+    fields = {field.name for field in dataclasses.fields(Scene)} - {"dim", "initial"}
+    scene_fields = {key: value for key, value in overrides.items() if key in fields}
+    own = {key: value for key, value in overrides.items() if key not in fields}
+    allowed = (
+        {field.name for field in dataclasses.fields(make.func)} - {"dim"}  # type: ignore[arg-type]
+        if isinstance(make, partial)
+        else set()
+    )
+    for key in own:
+        if key not in allowed:
+            raise unknown_name(f"field of scene {name!r}", key, sorted(fields | allowed))
+    initial = make(**own)
+    dim = initial.dim  # type: ignore[attr-defined]
+    return Scene(
+        **{"dim": dim, "initial": initial, "kernel": maxwell(dim), "diffusion": 1e-6} | scene_fields
+    )
+
+
+def _named_initial(name: object) -> Callable[..., InitialDensity]:
+    if name not in INITIAL_DENSITIES:
+        raise unknown_name("scene", name, scene_names())
+    return INITIAL_DENSITIES[str(name)]

@@ -1,0 +1,280 @@
+"""Solver: how well a scene is modelled — grid, quadrature, variant, method."""
+
+import dataclasses
+import json
+import math
+import os
+from dataclasses import dataclass
+from typing import Any
+
+from granstudy.support.errors import unknown_name
+from granstudy.velocity.cartesian import (
+    VelocityGrid,
+    check_node_count,
+    check_point_count,
+    check_radius,
+)
+
+METHODS = ("auto", "literal", "direct", "fast", "radial", "carleman", "dsmc")
+VARIANTS = ("full", "separate")
+RADIAL_RULES = ("legendre", "jacobi")
+PRECISIONS = ("double", "single")
+DEVICES = ("cpu", "gpu")
+
+ONLY_FAST = {"dealias": True, "precision": "single", "device": "gpu"}
+"""Fields with the value that `fast` alone takes; where `auto` takes another method, it runs without."""
+
+CHOSEN_BY_RTOL = {"N_rho", "M_sph", "M_cir", "sphere_rule", "radial_rule"}
+"""Fields that a tolerance takes the place of."""
+
+PARTICLE_FIELDS = {"particles", "batches", "seed"}
+"""Fields that only `dsmc` takes; beside them, N, R and threads, it uses no other."""
+
+LEAST_PARTICLES = 10
+"""Of a batch in `dsmc`: fewer have no covariance to speak of."""
+
+TAKES_RTOL = ("auto", "fast", "radial")
+"""Methods that take a tolerance; `radial` has no quadrature error, so that it meets any."""
+
+
+@dataclass(frozen=True)
+class Solver:
+    """How well it is modelled.
+
+    Attributes
+    ----------
+    N : int
+        Grid points in each dimension, even; for `radial` the number of radial nodes, which resolve
+        what a Cartesian grid of 1.7 N points in each dimension does.
+    R : float
+        Truncation radius of the relative velocity. Where ``rtol`` is given, N and R may both be left out:
+        they are then chosen for the scene's initial density (`granstudy.fit_solver`).
+    N_rho : int or None
+        Radial nodes; None lets `direct` take as many as the integral needs to converge.
+    M_sph, M_cir : int
+        Nodes on the sphere (3D) and on the circle (2D); the other one is not used. For the
+        ``gauss-theta-phi`` rule M_sph is the pair (N_theta, N_phi).
+    variant : str
+        ``full``: gain and loss with the same nodes. ``separate``: the loss from its closed form.
+    method : str
+        ``auto`` (the cheapest one that can do the scene, see `granstudy.choose`; N then counts
+        Cartesian points, whatever is chosen), ``literal`` (the paper's recipe), ``direct`` (O(N^{2d})
+        reference), ``fast``, ``radial`` (isotropic densities and constant e only; N_rho, M_sph, M_cir,
+        variant are not used),
+        ``carleman`` (elastic and near-elastic scenes; N_rho is not used), ``dsmc`` (particles: no operator,
+        `granstudy.simulate` only; N and R say the cells and the box that the initial density is drawn on,
+        and nothing else but the three fields of particles is used).
+    sphere_rule : str
+        ``design``, ``lebedev``, ``product``, ``gauss-theta-phi``, or a text file of unit vectors.
+    radial_rule : str
+        ``legendre`` (the paper) or ``jacobi`` (spectral for every λ).
+    rtol : float or None
+        For `fast`, and `auto`: tolerance in (0, 1) of Q's quadrature error over max|Q| (near an
+        equilibrium, where Q vanishes, over a hundredth of the loss), and half that of its mass, momentum
+        and energy over those of |Q|. The shells and the rule of each are then chosen for the scene, and
+        N_rho, M_sph, M_cir,
+        sphere_rule and radial_rule are left alone.
+    circular : bool
+        For `direct`: do as the paper's direct method does. l+m wraps around the spectrum, as
+        products on the grid do, and sinc is evaluated as in the paper's code.
+    particles : int or None
+        For `dsmc`, which needs it: particles of all batches together, a multiple of ``batches``.
+    batches : int
+        For `dsmc`: independent batches, at least 2, whose spread gives the standard errors.
+    seed : int
+        For `dsmc`: of the random numbers. The same seed gives the same bytes, whatever ``threads``.
+    dealias : bool
+        For `fast`, and `auto`: form the products on a grid of 3N/2 points a dimension, so that nothing wraps
+        around the spectrum; about five times the time at N = 32 in 3D.
+    precision : str
+        For `fast`, and `auto`: ``double``, or ``single`` for the transforms and loops of the gain's nodes,
+        about twice as fast, with a round-off of some 1e-7 of max|Q⁺|.
+    threads : int or None
+        Threads to use, None for one a core. Results do not depend on it.
+    device : str
+        ``cpu`` or ``gpu``: where `fast` sums over its nodes. A GPU needs CuPy or PyTorch (``pip install
+        'granstudy[gpu]'``) and a restitution that is a constant; results differ by round-off.
+
+    Raises
+    ------
+    ValueError
+        If a field is outside what is stated above; the message names field, value and allowed.
+    """
+
+    N: int = None  # type: ignore[assignment]  # None only until `granstudy.choose`
+    R: float = None  # type: ignore[assignment]
+    N_rho: int | None = 30
+    M_sph: int | tuple[int, int] = 32
+    M_cir: int = 30
+    variant: str = "separate"
+    method: str = "fast"
+    sphere_rule: str = "design"
+    radial_rule: str = "legendre"
+    rtol: float | None = None
+    circular: bool = False
+    particles: int | None = None
+    batches: int = 20
+    seed: int = 0
+    dealias: bool = False
+    precision: str = "double"
+    threads: int | None = None
+    device: str = "cpu"
+
+    def __post_init__(self) -> None:
+        if self.N is None or self.R is None:
+            self._check_left_out()
+        else:
+            (check_node_count if self.method == "radial" else check_point_count)(self.N)
+            check_radius(self.R)
+        if self.N_rho is None:
+            if self.method != "direct":
+                raise ValueError(f"N_rho=None: only method 'direct' allows it, not {self.method!r}")
+        else:
+            _check_count("N_rho", self.N_rho)
+        _check_count("M_cir", self.M_cir)
+        if not isinstance(self.M_sph, (tuple, list)):
+            _check_count("M_sph", self.M_sph)
+        if self.threads is not None:
+            _check_count("threads", self.threads)
+        for field, allowed in (
+            ("variant", VARIANTS),
+            ("method", METHODS),
+            ("radial_rule", RADIAL_RULES),
+            ("precision", PRECISIONS),
+            ("device", DEVICES),
+        ):
+            if getattr(self, field) not in allowed:
+                raise unknown_name(field, getattr(self, field), allowed)
+        self._check_only_fast()
+        if self.rtol is not None:
+            self._check_rtol(self.rtol)
+        self._check_particles()
+
+    def _check_left_out(self) -> None:
+        for field, value in (("N", self.N), ("R", self.R)):
+            if value is None and self.rtol is None:
+                raise ValueError(
+                    f"{field}=None: only with rtol is it chosen; give {field}, or rtol"
+                )
+        if self.N is not None or self.R is not None:
+            raise ValueError(f"N={self.N!r}, R={self.R!r}: rtol chooses both; give both or neither")
+
+    def _check_only_fast(self) -> None:
+        if not isinstance(self.dealias, bool):
+            raise ValueError(f"dealias={self.dealias!r}: must be True or False")
+        for field, value in ONLY_FAST.items():
+            if getattr(self, field) == value and self.method not in ("auto", "fast"):
+                raise ValueError(
+                    f"{field}={value!r}: only methods 'auto' and 'fast' take it, not {self.method!r}"
+                )
+
+    def _check_rtol(self, rtol: object) -> None:
+        if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 0.0 < rtol < 1.0:
+            raise ValueError(f"rtol={rtol!r}: must be a number between 0 and 1, or None")
+        if self.method not in TAKES_RTOL:
+            raise ValueError(
+                f"rtol={rtol!r}: only methods {', '.join(map(repr, TAKES_RTOL))} take it, "
+                f"not {self.method!r}"
+            )
+        for field in dataclasses.fields(self):
+            value = getattr(self, field.name)
+            if field.name in CHOSEN_BY_RTOL and value != field.default:
+                raise ValueError(
+                    f"{field.name}={value!r}: rtol={rtol!r} chooses it; leave one of them out"
+                )
+
+    def _check_particles(self) -> None:
+        if self.method != "dsmc":
+            for field in dataclasses.fields(self):
+                value = getattr(self, field.name)
+                if field.name in PARTICLE_FIELDS and value != field.default:
+                    raise ValueError(
+                        f"{field.name}={value!r}: only method 'dsmc' takes it, not {self.method!r}"
+                    )
+            return
+        _check_count("particles", self.particles)
+        _check_count("batches", self.batches)
+        assert self.particles is not None
+        if self.batches < 2:
+            raise ValueError(f"batches={self.batches!r}: must be at least 2, for standard errors")
+        if self.particles % self.batches or self.particles < LEAST_PARTICLES * self.batches:
+            raise ValueError(
+                f"particles={self.particles!r}: must be a multiple of batches={self.batches}, at least "
+                f"{LEAST_PARTICLES * self.batches}"
+            )
+        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
+            raise ValueError(f"seed={self.seed!r}: must be an integer of at least 0")
+
+    @property
+    def operator(self) -> str:
+        """Name of the operator behind the method: ``adaptive`` for `fast` with a tolerance, ``on gpu``."""
+        adaptive = self.method == "fast" and self.rtol is not None
+        name = "adaptive" if adaptive else self.method
+        return f"{name} on gpu" if self.device == "gpu" else name
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it leaves the method or the grid to be chosen for a scene."""
+        return self.method == "auto" or self.N is None
+
+    @property
+    def product_points(self) -> int:
+        """Points a dimension on which `fast` forms products: N, or 3N/2 and even where they are padded.
+
+        Two spectra of modes up to N/2 have a product with modes up to N; on 3N/2 points those above N wrap
+        around to modes of N/2 and more, which are dropped.
+        """
+        return 2 * math.ceil(3 * self.N / 4) if self.dealias else self.N
+
+    def grid(self, dim: int) -> VelocityGrid:
+        """The Cartesian velocity grid in ``dim`` dimensions, of every method but `radial`."""
+        return VelocityGrid(dim, self.N, self.R)
+
+    @property
+    def thread_count(self) -> int:
+        """Threads to use."""
+        return self.threads or len(os.sched_getaffinity(0))
+
+    def describe(self) -> dict[str, Any]:
+        """The solver as plain data, for a dataset's attributes.
+
+        ``threads`` is left out: it changes how long a run takes, not what comes out. So is what plays no
+        part, ``rtol`` or what it chooses, and so are fields of `ONLY_FAST` that are not in use.
+        """
+        every = dataclasses.asdict(self)
+        unused = {"threads", *({"rtol"} if self.rtol is None else CHOSEN_BY_RTOL)}
+        unused |= {field for field, value in ONLY_FAST.items() if getattr(self, field) != value}
+        if self.method == "dsmc":
+            unused |= every.keys() - {"N", "R", "method"} - PARTICLE_FIELDS
+        else:
+            unused |= PARTICLE_FIELDS
+        return {key: value for key, value in every.items() if key not in unused}
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What became of a solver that left something open.
+
+    Attributes
+    ----------
+    asked, solver : Solver
+        What was asked for, and what does it; the same where nothing was left open.
+    reason : str
+        Why, in a line.
+    """
+
+    asked: Solver
+    solver: Solver
+    reason: str
+
+    def attributes(self) -> dict[str, str]:
+        """What a dataset says about it, beside the ``solver`` that did it; nothing where nothing was open."""
+        if self.solver == self.asked:
+            return {}
+        asked = json.dumps(self.asked.describe(), sort_keys=True)
+        return {"asked_solver": asked, "choice": self.reason}
+
+
+def _check_count(field: str, value: object) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise ValueError(f"{field}={value!r}: must be a positive integer")

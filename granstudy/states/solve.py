@@ -1,0 +1,282 @@
+"""The states that granular gases approach, solved for directly: cooling, and heated (docs/states.md)."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from granstudy import theory
+from granstudy.collision import collision_operator, concrete
+from granstudy.datasets.run_dataset import on_scaled_velocities, state_dataset
+from granstudy.evolution.unknowns import representation
+from granstudy.model.densities import Maxwellian
+from granstudy.model.scene import Scene
+from granstudy.model.solver import Solver
+from granstudy.states.equation import SteadyEquation
+from granstudy.states.newton import DENSE, Solution, newton
+from granstudy.states.tail import tail_slope
+from granstudy.theory.checks import check_restitution
+from granstudy.trust.error_estimate import SLOWEST, imbalance
+from granstudy.trust.health import state_of_health
+from granstudy.trust.pair_rates import CollisionRates
+from granstudy.velocity.moments import COMPONENTS, moment_values
+from granstudy.velocity.radial import RadialGrid
+from granstudy.velocity.space import VelocitySpace
+
+STEPS = 4
+"""Steps of Newton's method, about."""
+
+VECTORS = 40
+"""Vectors of GMRES in such a step, about: each takes two evaluations of Q."""
+
+LONG_NAMES = {
+    "density": "density ρ",
+    "velocity": "bulk velocity u",
+    "temperature": "temperature T",
+    "a2": "kurtosis excess a2",
+    "a3": "sixth-order Sonine coefficient a3 = 1 + 3a2 − ⟨|v−u|⁶⟩/(d(d+2)(d+4)T³)",
+    "cooling_rate": "rate −T'/T of the cooling by collisions",
+    "cooling_coefficient": "K of the cooling by collisions, T' = −ρK T^{1+λ/2}",
+    "velocity_scale": "velocity scale θ, v = u + θc",
+    "mass_loss": "rate at which mass leaves the grid, over s: what is put back in the shape of g",
+    "minimum": "smallest value of the density on the grid",
+}
+
+
+def cooling_state(
+    scene: Scene, solver: Solver, *, tolerance: float = 1e-9, max_iterations: int = 20
+) -> xr.Dataset:
+    """The homogeneous cooling state: f = θ^{−d} g((v−u)/θ) with a g that stays as it is.
+
+    It solves Q(g,g) + (θ'/θ) ∇c·(c g) = 0 at the density, bulk velocity and temperature that the scene's
+    initial density has on the grid; that temperature alone decides how much of g the grid holds. θ = 1.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a constant e < 1 and ε = 0.
+    solver : Solver
+        Of any method; where ``method="auto"``, `radial` is taken, as the state is isotropic. No ``rtol`` but
+        with these two.
+    tolerance : float
+        Largest residual over the largest value of (θ'/θ)∇c·(c g).
+    max_iterations : int
+        Steps of Newton's method after which to give up.
+
+    Returns
+    -------
+    xarray.Dataset
+        `g` over the scaled velocities; `temperature`, `a2`, `a3`, `cooling_rate` and others; `tail_slope`
+        over ``tail_speed`` = |v−u|/√T: of −ln f against c^λ, against ln c where λ = 0; `residual` over
+        ``iteration``; `status`, failed with the reason where none was found: the last iterate is then
+        given as it is. `trust` and its reasons, and attributes, as those of a run.
+
+    Raises
+    ------
+    ValueError
+        For a scene that has no such state, or a solver that cannot find it, before any work starts.
+    """
+    return _state(scene, solver, False, tolerance, max_iterations)
+
+
+def heated_state(
+    scene: Scene, solver: Solver, *, tolerance: float = 1e-9, max_iterations: int = 20
+) -> xr.Dataset:
+    """The steady state of a gas heated by diffusion, Q(f,f) + εΔf = 0.
+
+    f = θ^{−d} g((v−u)/θ), where Q(g,g) + sΔg = 0 at the temperature T_g of the scene's initial density on
+    the grid and θ^{2+λ} = ε/s; so T = θ²T_g comes out, and the grid holds the state whatever ε.
+
+    Parameters, what is returned and raised are those of `cooling_state`, but that ε must be above 0, and
+    `tail_slope` is that of −ln f against c^{1+λ/2}.
+    """
+    return _state(scene, solver, True, tolerance, max_iterations)
+
+
+FIND = {"cooling": cooling_state, "heated": heated_state}
+"""What finds a state, by its name in study files."""
+
+
+def check_state(scene: Scene, solver: Solver, heated: bool) -> None:
+    """Raise ValueError for a scene that has no such state, or a solver that cannot find it."""
+    check_restitution(scene.restitution)  # type: ignore[arg-type]
+    if scene.restitution == 1.0:
+        raise ValueError("restitution=1.0: must be below 1, as elastic collisions take no energy")
+    if heated and scene.diffusion == 0.0:
+        raise ValueError(
+            "diffusion=0.0: must be positive for a heated state, or take cooling_state"
+        )
+    if not heated and scene.diffusion != 0.0:
+        raise ValueError(
+            f"diffusion={scene.diffusion!r}: a cooling state has none; give diffusion=0, or take "
+            "heated_state"
+        )
+    _check_solver(solver)
+
+
+def gaussian_scene(scene: Scene, temperature: float = 1.0) -> Scene:
+    """What a state's operator is planned for: an isotropic gas at u = 0, with all its symmetry."""
+    return replace(scene, initial=Maxwellian(scene.dim, temperature), symmetry=None)  # type: ignore[arg-type]
+
+
+def state_evaluations(solver: Solver) -> int:
+    """Evaluations of Q that finding a state takes, within a factor 3 (docs/states.md §2)."""
+    if solver.method == "radial" and solver.N + 2 <= DENSE:
+        return 2 * STEPS * (solver.N + 2)
+    return 2 * STEPS * VECTORS
+
+
+def _state(
+    scene: Scene, solver: Solver, heated: bool, tolerance: float, max_iterations: int
+) -> xr.Dataset:
+    check_state(scene, solver, heated)
+    _check_settings(tolerance, max_iterations)
+    gas = _gas(scene, solver)
+    gaussian = gaussian_scene(scene, gas.temperature)
+    choice = concrete(gaussian, solver)
+    operator = collision_operator(gaussian, choice.solver)
+    grid = operator.grid
+    equation = SteadyEquation(
+        grid, operator, grid.laplacian if heated else grid.dilation,
+        representation(operator, gaussian.symmetry).symmetrise, gas.density, gas.temperature,
+    )  # fmt: skip
+    start = equation.start(gas.density * gaussian.density(grid))
+    # Overflow and NaN of iterates that run away are looked for by `newton`.
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        found = newton(equation, start, tolerance, max_iterations)
+    ds, reason = _dataset(scene, gas, equation, found, heated)
+    examined = _health(gaussian, equation, found, heated)
+    title = "heated state" if heated else "cooling state"
+    ds = state_dataset(ds, scene, choice.solver, reason, examined, title)
+    return ds.assign_attrs(choice.attributes())
+
+
+def _check_solver(solver: Solver) -> None:
+    """A tolerance is met for the density that the quadrature is planned with: not that of the state."""
+    if solver.method == "dsmc":
+        raise ValueError("method='dsmc': particles have no equation to solve; take another method")
+    if solver.N is None:
+        raise ValueError("N=None: a state is not known before it is found; give N and R")
+    if solver.rtol is not None and solver.method == "fast":
+        raise ValueError(
+            f"rtol={solver.rtol!r}: holds for a density that is known; give N_rho and M_sph (M_cir)"
+        )
+
+
+def _check_settings(tolerance: object, max_iterations: object) -> None:
+    if not isinstance(tolerance, (int, float)) or not 0.0 < tolerance < 1.0:
+        raise ValueError(f"tolerance={tolerance!r}: must be a number between 0 and 1")
+    if not isinstance(max_iterations, int) or max_iterations < 1:
+        raise ValueError(f"max_iterations={max_iterations!r}: must be a positive integer")
+
+
+@dataclass(frozen=True)
+class _Gas:
+    """What the state is asked to have, of the scene's initial density on the grid."""
+
+    density: float
+    velocity: np.ndarray
+    temperature: float
+
+
+def _gas(scene: Scene, solver: Solver) -> _Gas:
+    grid: VelocitySpace = (
+        RadialGrid(scene.dim, solver.N, solver.R)
+        if solver.method == "radial"
+        else solver.grid(scene.dim)
+    )
+    values = moment_values(scene.density(grid), grid)
+    return _Gas(float(values["density"]), values["velocity"], float(values["temperature"]))
+
+
+def _dataset(
+    scene: Scene, gas: _Gas, equation: SteadyEquation, found: Solution, heated: bool
+) -> tuple[xr.Dataset, str]:
+    """The state as labelled variables, and why it is none."""
+    grid, exponent = equation.grid, scene.kernel.exponent
+    g, s, m = equation.split(found.x)
+    reason = found.reason
+    # T_Q = 2sT_g balances ∇c·(c g), T_Q = −2s balances Δg: collisions cool where s < 0, s > 0.
+    cooling_rate = 2.0 * s / gas.temperature if heated else -2.0 * s
+    if not reason and cooling_rate <= 0.0:
+        reason = f"the density found is heated by collisions, −T'/T = {cooling_rate:.3g}"
+    K = cooling_rate / (gas.density * gas.temperature ** (exponent / 2))
+    theta = float((scene.diffusion / s) ** (1.0 / (2.0 + exponent))) if heated and s > 0.0 else 1.0
+    power = 1.0 + exponent / 2 if heated else exponent
+    tail = tail_slope(g, grid, gas.temperature, power)
+    a2, a3 = theory.sonine_coefficients(_even_moments(g, grid))
+    values: dict[str, Any] = {
+        "density": gas.density,
+        "velocity": gas.velocity,
+        "temperature": theta**2 * gas.temperature,
+        "a2": a2,
+        "a3": a3,
+        "cooling_rate": theta**exponent * cooling_rate,
+        "cooling_coefficient": K,
+        "velocity_scale": theta,
+        "mass_loss": m / s,
+        "minimum": float(g.min()),
+    }
+    dimensions = {"velocity": ("component",)}
+    attributes = {"long_name": "density g = θ^d f over c = (v−u)/θ", "units": "1"}
+    held = xr.Dataset({"g": (grid.axes, g, attributes)}, coords=grid.coordinates())
+    ds = on_scaled_velocities(held, grid.axes).assign(
+        {
+            name: (dimensions.get(name, ()), values[name], {"long_name": long_name, "units": "1"})
+            for name, long_name in LONG_NAMES.items()
+        }
+    )
+    against = "ln c" if power == 0.0 else f"c^{power:g}"
+    ds["tail_slope"] = (
+        "tail_speed",
+        tail.slopes,
+        {
+            "long_name": f"−d ln g/d {against} between nodes where g is above the error's floor",
+            "units": "1",
+            "power": power,
+            "floor": tail.floor,
+        },
+    )
+    ds["residual"] = (
+        "iteration",
+        np.array(found.sizes),
+        {"long_name": "largest residual over that of what balances collisions", "units": "1"},
+    )
+    ds = ds.assign_coords(
+        component=list(COMPONENTS[: grid.dim]),
+        tail_speed=("tail_speed", tail.speeds, {"long_name": "|v−u|/√T", "units": "1"}),
+        iteration=np.arange(len(found.sizes)),
+    )
+    return ds, reason
+
+
+def _health(
+    scene: Scene, equation: SteadyEquation, found: Solution, heated: bool
+) -> dict[str, float]:
+    """Signs of a density that the grid cannot hold, and what T and a2 may be off by.
+
+    Q of g does not change energy and fourth moment as all pairs of g would. What a steady state is off by
+    is that rate over the one at which it is forgotten (docs/method.md §10).
+    """
+    grid, exponent = equation.grid, scene.kernel.exponent
+    g, _, _ = equation.split(found.x)
+    values = moment_values(g, grid)
+    off = imbalance(CollisionRates(scene, grid), g, equation.collisions(g))
+    cooling = abs(off.cooling)
+    heating = cooling if heated else 0.0
+    output = state_of_health(g, values, values, grid)
+    output["a2"] = abs(off.a2) / (2 * heating + SLOWEST[grid.dim] * off.frequency)
+    if heated:
+        output["temperature"] = abs(off.temperature) / (cooling * (1 + exponent / 2))
+    return output
+
+
+def _even_moments(g: np.ndarray, grid: VelocitySpace) -> np.ndarray:
+    """⟨|c|^{2n}⟩ over their value for a Gaussian of the same temperature, n = 0..3."""
+    d = grid.dim
+    c2 = np.broadcast_to(np.asarray(sum(np.square(v) for v in grid.velocities())), grid.shape)
+    M = np.array([np.sum(c2**n * g * grid.measure) for n in range(4)])
+    T = M[1] / (d * M[0])
+    gaussian = np.array([1.0, d * T, d * (d + 2) * T**2, d * (d + 2) * (d + 4) * T**3])
+    return np.asarray(M / M[0] / gaussian)

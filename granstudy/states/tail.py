@@ -1,0 +1,54 @@
+"""How fast the tail of a state falls, as far as the grid shows it (docs/states.md §3)."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from granstudy.velocity.space import VelocitySpace
+
+ABOVE_FLOOR = 1000.0
+"""A density is taken as resolved where it is so many times the error that the grid is seen to make."""
+
+
+class TailSlope(NamedTuple):
+    """Local slopes of −ln f."""
+
+    speeds: np.ndarray
+    """Speeds c in units of √T, midway between nodes"""
+    slopes: np.ndarray
+    """−d ln f / d c^q, or −d ln f / d ln c where q = 0"""
+    floor: float
+    """Density below which the slope is left out"""
+
+
+def tail_slope(g: np.ndarray, grid: VelocitySpace, temperature: float, power: float) -> TailSlope:
+    """−d ln g/d c^q between neighbouring nodes, out to where g first falls to the floor of its errors.
+
+    No density is negative, and none ends at the grid's border: −min g and |g| at the border are errors. The
+    floor is `ABOVE_FLOOR` times the larger one. On a Cartesian grid the nodes are those nearest to the
+    positive half of the first axis, on a radial one all.
+
+    Parameters
+    ----------
+    power : float
+        q ≥ 0; 0 stands for the exponent of a power law.
+    """
+    speeds, values = _profile(g, grid)
+    round_off = np.finfo(float).eps * float(g.max())
+    floor = ABOVE_FLOOR * max(-float(g.min()), grid.edge(g), round_off)
+    below = np.flatnonzero(values <= floor)
+    count = int(below[0]) if below.size else values.size
+    c, ln_g = speeds[:count] / np.sqrt(temperature), np.log(values[:count])
+    abscissa = np.log(c) if power == 0.0 else c**power
+    return TailSlope((c[1:] + c[:-1]) / 2, -np.diff(ln_g) / np.diff(abscissa), floor)
+
+
+def _profile(g: np.ndarray, grid: VelocitySpace) -> tuple[np.ndarray, np.ndarray]:
+    """Increasing speeds, and the density there."""
+    speeds = np.sqrt(np.broadcast_to(sum(np.square(v) for v in grid.velocities()), grid.shape))
+    if len(grid.shape) == 1:
+        return speeds, g
+    for _ in range(grid.dim - 1):
+        speeds, g = speeds[..., speeds.shape[-1] // 2], g[..., g.shape[-1] // 2]
+    outwards = slice(speeds.size // 2, None)
+    return speeds[outwards], g[outwards]

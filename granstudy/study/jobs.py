@@ -1,0 +1,72 @@
+"""Cheap runs of an experiment share a job: starting one costs seconds, whatever it computes."""
+
+import hashlib
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import count
+from math import ceil
+
+from granstudy.study.run import Run
+from granstudy.support.fingerprint import run_fingerprint
+
+JOB_SECONDS = 60.0
+"""Runs are put together until their estimated time reaches this; a longer run is alone in its job."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """Some runs of one experiment, computed one after the other by one process."""
+
+    experiment: str
+    number: int
+    runs: tuple[Run, ...]
+
+    @cached_property
+    def keys(self) -> list[str]:
+        """`run_key` of every run."""
+        return [run_key(run) for run in self.runs]
+
+    @property
+    def threads(self) -> int:
+        """Cores that the job takes."""
+        return self.runs[0].model.threads
+
+    @property
+    def seconds(self) -> float:
+        """Estimated time on one core."""
+        return sum(run.cost.seconds for run in self.runs)
+
+    @property
+    def minutes(self) -> int:
+        """Minutes to ask a cluster for: five times the estimate, and time to start."""
+        return 5 + ceil(5 * self.seconds / 60)
+
+    @property
+    def memory_mb(self) -> int:
+        """Estimated memory of its largest run."""
+        return max(run.cost.memory_mb for run in self.runs)
+
+
+def jobs(runs: list[Run]) -> list[Job]:
+    """Divide an experiment's runs into jobs, in their order."""
+    numbers = count(1)
+    found: list[Job] = []
+    waiting: list[Run] = []
+    for run in [*runs, None]:
+        full = sum(other.cost.seconds for other in waiting) >= JOB_SECONDS
+        alone = run is None or run.cost.seconds >= JOB_SECONDS
+        if waiting and (full or alone):
+            found.append(Job(waiting[0].experiment, next(numbers), tuple(waiting)))
+            waiting = []
+        if run is not None:
+            waiting.append(run)
+    return found
+
+
+def run_key(run: Run) -> str:
+    """Hash over all that a run's numbers depend on: its parameters and the code that computes it."""
+    chooses = ("granstudy.collision.choice.cheapest",) if run.solver.is_open else ()
+    if run.solver.N is None:
+        chooses += ("granstudy.collision.choice.grid",)
+    code = run_fingerprint(run.model.run, run.choice.solver.operator, chooses)
+    return hashlib.sha256(f"{run.parameters()}\n{code}".encode()).hexdigest()[:32]

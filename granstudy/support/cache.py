@@ -1,0 +1,88 @@
+"""Arrays kept on disk under a name that says all they depend on."""
+
+import hashlib
+import io
+import os
+import sys
+import time
+import warnings
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+
+from granstudy.support.files import TEMPORARY_PREFIX, write_whole
+
+VARIABLE = "GRANSTUDY_CACHE"
+"""Environment variable that names another cache folder."""
+
+DIGEST_BYTES = hashlib.sha256().digest_size
+
+ABANDONED = 86400.0
+"""Seconds after which a file that was never finished has nobody writing to it; one takes seconds."""
+
+
+def cache_folder() -> Path:
+    """``$GRANSTUDY_CACHE``, or granstudy's folder in the platform's user cache."""
+    if named := os.environ.get(VARIABLE):
+        return Path(named)
+    if sys.platform == "darwin":
+        base = Path.home() / "Library" / "Caches"
+    elif sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
+    else:
+        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return base / "granstudy"
+
+
+def cached_array(name: str, compute: Callable[[], np.ndarray]) -> np.ndarray:
+    """The array kept under ``name``, or a computed one, which is then kept.
+
+    Safe with concurrent runs: a file appears whole or not at all, and two that compute the same array
+    replace each other's file by an equal one. A file that does not match its checksum is computed
+    anew. Where the folder cannot be written to, a warning says so. What killed processes left half
+    written is removed a day later, with the next array that is kept.
+    """
+    path = cache_folder() / f"{name}.npy.sha256"
+    array = _read(path)
+    if array is None:
+        array = compute()
+        try:
+            write_whole(path, lambda partial: partial.write_bytes(_pack(array)))
+            _remove_abandoned(path.parent)
+        except OSError as error:
+            warnings.warn(
+                f"{path.parent}: cannot keep computed arrays there ({error}); they are computed "
+                f"again by every run. Set {VARIABLE} to a folder that can be written to",
+                stacklevel=2,
+            )
+    return array
+
+
+def _remove_abandoned(folder: Path) -> None:
+    """Remove unfinished files that nobody has written to for `ABANDONED`; others may be doing the same."""
+    for partial in folder.glob(f"{TEMPORARY_PREFIX}*"):
+        with suppress(OSError):
+            if time.time() - partial.stat().st_mtime > ABANDONED:
+                partial.unlink()
+
+
+def _pack(array: np.ndarray) -> bytes:
+    """SHA-256 of NumPy's file format, then that format."""
+    buffer = io.BytesIO()
+    np.save(buffer, array, allow_pickle=False)
+    payload = buffer.getvalue()
+    return hashlib.sha256(payload).digest() + payload
+
+
+def _read(path: Path) -> np.ndarray | None:
+    """The array in a file, or None where there is no file or a damaged one."""
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return None
+    digest, payload = content[:DIGEST_BYTES], content[DIGEST_BYTES:]
+    if hashlib.sha256(payload).digest() != digest:
+        return None
+    return np.load(io.BytesIO(payload), allow_pickle=False)

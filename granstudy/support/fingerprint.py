@@ -1,0 +1,99 @@
+"""Fingerprint of the code that a run depends on.
+
+Snakemake does not see edits in an imported package. A hash over the syntax trees of the modules a run
+imports, docstrings blanked, put into a rule's params, makes an edit of the solver rerun exactly the runs
+it affects, while comments, docstrings and plotting rerun nothing.
+"""
+
+import ast
+import hashlib
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+
+from granstudy.collision.operator import OPERATORS
+
+PARTICLES = "granstudy.particles.simulation"
+"""What computes the runs of `dsmc`, which has no operator."""
+
+PACKAGE = Path(__file__).parents[1]
+
+DATA = {"granstudy.quadrature.design_data": PACKAGE / "quadrature" / "data"}
+"""Folders of data that a module reads; they count as its code."""
+
+
+def run_fingerprint(kind: str, operator: str, also: tuple[str, ...] = ()) -> str:
+    """Fingerprint of the modules behind an ``evolution``, ``collision`` or ``state`` run with an operator.
+
+    ``operator`` is `Solver.operator`: the method, or ``adaptive`` where it has a tolerance; ``also``
+    are modules that choose it.
+    """
+    entry = {
+        "evolution": "granstudy.evolution.evolve",
+        "collision": "granstudy.datasets.run_dataset",
+        "state": "granstudy.states.solve",
+    }[kind]
+    method = PARTICLES if operator == "dsmc" else OPERATORS[operator][0]
+    return fingerprint((entry, "granstudy.collision.operator", method, *also))
+
+
+def fingerprint(modules: Iterable[str]) -> str:
+    """Hash over the syntax trees of ``modules`` and of the package's modules that they import."""
+    found: set[str] = set()
+    waiting = list(modules)
+    while waiting:
+        module = waiting.pop()
+        if module not in found:
+            found.add(module)
+            waiting.extend(imported_modules(module))
+    digest = hashlib.sha256()
+    for module in sorted(found):
+        digest.update(f"{module}\n{_tree(module)}\n".encode())
+        for file in sorted(DATA[module].iterdir()) if module in DATA else ():
+            digest.update(file.name.encode() + file.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+@cache
+def imported_modules(module: str) -> tuple[str, ...]:
+    """Modules of the package that ``module`` imports at its top level.
+
+    Imports inside functions do not count: the operators, chosen by name, are named by the caller.
+    """
+    found = []
+    for node in ast.parse(_source(module).read_text()).body:
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("granstudy"):
+            for name in node.names:
+                inner = f"{node.module}.{name.name}"
+                found.append(inner if _exists(inner) else str(node.module))
+        elif isinstance(node, ast.Import):
+            found.extend(a.name for a in node.names if a.name.startswith("granstudy"))
+    # `from granstudy import x` must not drag in the whole public API of the package.
+    return tuple(name for name in dict.fromkeys(found) if name != "granstudy")
+
+
+@cache
+def _tree(module: str) -> str:
+    """Syntax tree of a module without its docstrings, those below its constants included."""
+    tree = ast.parse(_source(module).read_text())
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)):
+            node.body = [part for part in node.body if not _is_text(part)]
+    return ast.dump(tree)
+
+
+def _is_text(node: ast.stmt) -> bool:
+    return (
+        isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
+    )
+
+
+def _source(module: str) -> Path:
+    path = PACKAGE.joinpath(*module.split(".")[1:])
+    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+
+
+def _exists(module: str) -> bool:
+    return _source(module).is_file()

@@ -1,0 +1,196 @@
+"""Rates of energy and fourth moment from all pairs of a density: what the moments of Q have to balance.
+
+A collision changes the relative velocity from g to g' = (1−2α)g + 2α|g|σ and leaves w = (v+v*)/2, so that
+with V = |v−u|², V' after the collision,
+
+    Δ½(V+V*) = (|g'|²−|g|²)/4,   Δ(V²+V*²) = 2[(|w|²+|g'|²/4)² − (|w|²+|g|²/4)² + (w·g')² − (w·g)²].
+
+The mean over σ, of the components of g' along and across g, leaves polynomials in |g|,
+|w|² = ½(V+V*) − |g|²/4 and w·g = ½(V−V*). Rates are integrals ½∫∫ |S|C_λ|g|^λ Δ f f* dv dv* over all pairs:
+no truncation, no sum over modes or directions. Where moments of Q differ from them, Q is wrong
+(docs/method.md §10).
+"""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import scipy.fft
+
+from granstudy.collision.variable_restitution import deflections
+from granstudy.model.kernel import Restitution, sphere_area
+from granstudy.model.scene import Scene
+from granstudy.velocity.cartesian import VelocityGrid
+from granstudy.velocity.space import VelocitySpace
+
+if TYPE_CHECKING:  # a run on a Cartesian grid does not depend on the radial one
+    from granstudy.velocity.radial import RadialGrid
+
+ANGLES = 64
+"""Nodes of the mean over the angle between two velocities."""
+
+
+class Rates(NamedTuple):
+    """Of a density by collisions, a unit time.
+
+    Attributes
+    ----------
+    frequency : float
+        Collisions of a particle, ∫∫ |S|C_λ|g|^λ f f* / ρ.
+    energy : float
+        Change of ½∫|v|² f, of f's own mass.
+    fourth : float
+        Change of ∫|v−u|⁴ f.
+    """
+
+    frequency: float
+    energy: float
+    fourth: float
+
+
+class PairWeights(NamedTuple):
+    """|S|C_λ ρ^λ, and that times what a collision changes on average: functions of ρ = |g|.
+
+    Δ½(V+V*) = ``energy``,   Δ(V²+V*²) = ``constant`` + ``linear`` (V+V*)/2 + ``square`` (V−V*)².
+    """
+
+    frequency: np.ndarray
+    energy: np.ndarray
+    constant: np.ndarray
+    linear: np.ndarray
+    square: np.ndarray
+
+
+def pair_weights(scene: Scene, rho: np.ndarray) -> PairWeights:
+    """The weights of pairs at relative speeds ρ, shape (n,)."""
+    u, mean = deflections(scene.dim, 0.0)
+    if callable(scene.restitution):
+        e = np.asarray(scene.restitution(np.multiply.outer(rho, u)), dtype=float)
+    else:
+        e = np.full((1, len(u)), float(scene.restitution))
+    # g'/|g| = 1−2α + 2α cos χ along g, 2α sin χ across it; cos χ = 1 − 2u²
+    along = (1.0 - e) / 2 + (1.0 + e) / 2 * (1.0 - 2.0 * u**2)
+    across = (1.0 + e) * u * np.sqrt(1.0 - u**2)
+    along2, across2 = along**2 @ mean, across**2 @ mean
+    length4 = (along**2 + across**2) ** 2 @ mean
+    # w has the square of one direction across g, of d−1
+    share = across2 / (scene.dim - 1)
+    loss2 = along2 + across2 - 1.0
+    w2, wg2 = loss2 + 2.0 * share, 2.0 * (along2 - 1.0 - share)
+    g2 = rho**2
+    B = sphere_area(scene.dim) * scene.kernel.strength * rho**scene.kernel.exponent
+    return PairWeights(
+        frequency=B,
+        energy=B * g2 * loss2 / 4,
+        constant=B * g2**2 * ((length4 - 1.0) / 8 - w2 / 4),
+        linear=B * g2 * w2,
+        square=B * wg2 / 4,
+    )
+
+
+class CollisionRates:
+    """The rates of any density on a grid; its weights are computed once."""
+
+    def __init__(self, scene: Scene, grid: VelocitySpace) -> None:
+        self.grid = grid
+        make = _CartesianPairs if isinstance(grid, VelocityGrid) else _RadialPairs
+        self._pairs = make(scene, grid)  # type: ignore[arg-type]
+
+    def __call__(self, f: np.ndarray) -> Rates:
+        """Collision frequency, rate of energy and rate of the fourth moment of a real density."""
+        m = self.grid.velocity_moments(f)
+        u = m.momentum / m.density
+        V = sum(np.square(v - ui) for v, ui in zip(self.grid.velocities(), u, strict=True))
+        frequency, energy, fourth = self._pairs.sums(f, np.broadcast_to(V, self.grid.shape))
+        return Rates(frequency / m.density, energy / 2, fourth / 2)
+
+    def energy(self, f: np.ndarray) -> float:
+        """The rate of energy alone, in a third of the time."""
+        return self._pairs.energy(f) / 2
+
+
+class RatesAt:
+    """The rates of a scene's collisions at any restitution; the weights of the last one are kept."""
+
+    def __init__(self, scene: Scene, grid: VelocitySpace) -> None:
+        self._scene, self._grid = scene, grid
+        self._last: tuple[Restitution, CollisionRates] | None = None
+
+    def __call__(self, restitution: Restitution) -> CollisionRates:
+        """The rates with this restitution in place of the scene's."""
+        if self._last is None or self._last[0] != restitution:
+            scene = replace(self._scene, restitution=restitution)
+            self._last = restitution, CollisionRates(scene, self._grid)
+        return self._last[1]
+
+
+class _CartesianPairs:
+    """Sums over all pairs of nodes, by transforms on twice the box, where nothing wraps around.
+
+    They are integrals to the midpoint rule's accuracy: spectral but for the kink of ρ^{2+λ} at ρ = 0, which
+    leaves O(h^{d+2+λ}), h the spacing.
+    """
+
+    def __init__(self, scene: Scene, grid: VelocityGrid) -> None:
+        self._size = (2 * grid.N,) * grid.dim
+        step = np.fft.fftfreq(2 * grid.N, 0.5 / grid.N)
+        squared = sum(np.square(s) for s in np.meshgrid(*(step,) * grid.dim, sparse=True))
+        distinct, place = np.unique(np.rint(squared), return_inverse=True)
+        weights = pair_weights(scene, grid.spacing * np.sqrt(distinct))
+        self._weights = PairWeights(*(self._transform(w[place], grid.cell) for w in weights))
+
+    def _transform(self, weight: np.ndarray, cell: float) -> np.ndarray:
+        """K̂ with Σ_k K̂_k Re(â_k b̂_k*) = ∫∫ K a b* dv dv*; a half spectrum counts its inner modes twice."""
+        K_hat = scipy.fft.rfftn(weight.reshape(self._size)).real * (cell**2 / weight.size)
+        K_hat[..., 1:-1] *= 2.0
+        return K_hat
+
+    def energy(self, f: np.ndarray) -> float:
+        """∫∫ of Δ½(V+V*) f f*."""
+        f_hat = scipy.fft.rfftn(f, s=self._size)
+        return float(np.vdot(self._weights.energy, f_hat.real**2 + f_hat.imag**2))
+
+    def sums(self, f: np.ndarray, V: np.ndarray) -> tuple[float, float, float]:
+        """∫∫ of the frequency, of Δ½(V+V*), and of Δ(V²+V*²), each times f f*."""
+        f0, f1, f2 = (scipy.fft.rfftn(a, s=self._size) for a in (f, f * V, f * V**2))
+        K = self._weights
+        squares = f0.real**2 + f0.imag**2
+        fourth = np.vdot(K.constant, squares) + np.vdot(K.linear, _product(f0, f1))
+        # (V−V*)² = V² + V*² − 2VV*
+        fourth += 2.0 * np.vdot(K.square, _product(f0, f2) - _product(f1, f1))
+        return (
+            float(np.vdot(K.frequency, squares)),
+            float(np.vdot(K.energy, squares)),
+            float(fourth),
+        )
+
+
+class _RadialPairs:
+    """Sums over pairs of speeds, each with the mean over the angle between the velocities."""
+
+    def __init__(self, scene: Scene, grid: "RadialGrid") -> None:
+        x, w = np.polynomial.legendre.leggauss(ANGLES)
+        if grid.dim == 2:
+            x = np.cos(np.pi / 2 * (x + 1))
+        r = grid.nodes[:, None]
+        V, V_ = r**2, r.T**2
+        forms = np.zeros((3, grid.N, grid.N))
+        for cosine, weight in zip(x, w / 2, strict=True):
+            rho = np.sqrt(np.maximum(V + V_ - 2.0 * cosine * r * r.T, 0.0))
+            K = PairWeights(*(a.reshape(rho.shape) for a in pair_weights(scene, rho.ravel())))
+            fourth = K.constant + K.linear * (V + V_) / 2 + K.square * (V - V_) ** 2
+            forms += weight * np.array([K.frequency, K.energy, fourth])
+        self._forms = grid.weights[:, None] * forms * grid.weights
+
+    def energy(self, f: np.ndarray) -> float:
+        """∫∫ of Δ½(V+V*) f f*."""
+        return float(f @ self._forms[1] @ f)
+
+    def sums(self, f: np.ndarray, V: np.ndarray) -> tuple[float, float, float]:
+        """As of `_CartesianPairs`; V is the nodes' own."""
+        frequency, energy, fourth = f @ self._forms @ f
+        return float(frequency), float(energy), float(fourth)
+
+
+def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return a.real * b.real + a.imag * b.imag

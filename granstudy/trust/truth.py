@@ -1,0 +1,158 @@
+"""What a run's T and a2 are held against: an exact law, or another run; and how far they are from it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from granstudy import theory
+from granstudy.datasets.run_dataset import Status, flag_word, read_dataset
+from granstudy.model.kernel import sphere_area
+from granstudy.model.scene import Scene
+
+if TYPE_CHECKING:  # tables and figures do not depend on the solvers that a run imports
+    from granstudy.study.run import Run
+
+SAME_TIME = 1e-9
+"""Largest relative difference of two output times that are the same."""
+
+
+@dataclass(frozen=True)
+class Truth:
+    """T and a2 over time, with what they may be off by themselves.
+
+    Attributes
+    ----------
+    time, temperature, a2 : ndarray, shape (n,)
+    temperature_uncertainty, a2_uncertainty : float
+        The largest over time, of T relative to T: standard errors of particles, estimated errors of another
+        run, 0 of a law.
+    source : str
+        Where it comes from, in a few words.
+    """
+
+    time: np.ndarray
+    temperature: np.ndarray
+    a2: np.ndarray
+    temperature_uncertainty: float
+    a2_uncertainty: float
+    source: str
+
+
+class Errors(NamedTuple):
+    """Largest distance from the truth over the common times, of T relative to it."""
+
+    temperature: float
+    a2: float
+
+
+def truth_of(run: "Run", files: Mapping[str, str], times: np.ndarray) -> Truth:
+    """The truth that a run is held against.
+
+    Parameters
+    ----------
+    run : Run
+        Of an experiment with a truth.
+    files : dict of str
+        Files of the experiment's runs, its truths among them, by path.
+    times : ndarray
+        Where an exact law is evaluated; a run that serves as truth has its own.
+    """
+    assert run.model.truth is not None
+    if run.model.truth.law is not None:
+        return maxwell_truth(run.scene, times)
+    return truth_of_dataset(read_dataset(files[run.truth.path]))
+
+
+def maxwell_truth(scene: Scene, times: np.ndarray) -> Truth:
+    """Exact T and a2 of Maxwell molecules, from the moments that the initial density states.
+
+    What a grid does to the initial density is so counted as its error (docs/theory.md §1).
+
+    Raises
+    ------
+    ValueError
+        If the scene is not one of `check_maxwell_law`.
+    """
+    check_maxwell_law(scene)
+    start = scene.moments
+    assert start is not None and not callable(scene.restitution)
+    gas = {
+        "restitution": float(scene.restitution),
+        "diffusion": float(scene.diffusion),
+        "density": start.density,
+        "cross_section": sphere_area(scene.dim) * scene.kernel.strength,
+    }
+    temperature = theory.maxwell_temperature(times, start.temperature, **gas)
+    a2 = theory.maxwell_a2(times, start.pressure, start.a2, **gas)
+    return Truth(times, temperature, a2, 0.0, 0.0, "exact law")
+
+
+def check_maxwell_law(scene: Scene) -> None:
+    """Raise ValueError unless T and a2 of the scene are known exactly."""
+    if scene.kernel.exponent != 0.0:
+        raise ValueError(
+            f"truth.law='maxwell': holds at exponent 0, not at {scene.kernel.exponent!r}; give a solver"
+        )
+    if callable(scene.restitution):
+        raise ValueError(
+            f"truth.law='maxwell': holds at constant e, not with {scene.restitution!r}; give a solver"
+        )
+    if scene.moments is None:
+        raise ValueError(
+            f"truth.law='maxwell': initial={scene.initial!r} does not state its moments; give a solver"
+        )
+
+
+def truth_of_dataset(ds: xr.Dataset) -> Truth:
+    """The truth that another run says.
+
+    Raises
+    ------
+    ValueError
+        If that run ended early.
+    """
+    status = Status(int(ds["status"]))
+    if status is not Status.OK:
+        raise ValueError(f"truth: its run {status.name.lower()}: {ds['status'].attrs['reason']}")
+    by_particles = "temperature_standard_error" in ds
+    beside = "standard_error" if by_particles else "error_estimate"
+    T_off, a2_off = ds[f"temperature_{beside}"], ds[f"a2_{beside}"]
+    if by_particles:
+        T_off = T_off / ds["temperature"]
+        source = f"dsmc, {int(ds['particles']):,} particles"
+    else:
+        label = flag_word("trust", ds["trust"])
+        grid = f"N = {int(ds['N'])}, R = {float(ds['R']):g}"
+        source = f"{ds['method'].item()}, {grid}, {label}"
+    return Truth(
+        ds["time"].values, ds["temperature"].values, ds["a2"].values,
+        float(T_off.max()), float(a2_off.max()), source,
+    )  # fmt: skip
+
+
+def errors(ds: xr.Dataset, truth: Truth) -> Errors:
+    """How far a run is from its truth, over the times that both have; a run that ended early, up to there.
+
+    Raises
+    ------
+    ValueError
+        If they have no time but 0 in common although the run went on.
+    """
+    time = ds["time"].values
+    mine, its = np.nonzero(np.isclose(time[:, None], truth.time, rtol=SAME_TIME, atol=0.0))
+    if not time[mine].any() and time.any():
+        raise ValueError(
+            f"truth: has no time in common with the run, whose times are {time[1:4].tolist()}, ...; "
+            "give time.times"
+        )
+    T, exact = ds["temperature"].values[mine], truth.temperature[its]
+    a2 = ds["a2"].values[mine] - truth.a2[its]
+    return Errors(_largest(T / exact - 1.0), _largest(a2))
+
+
+def _largest(errors: np.ndarray) -> float:
+    """Largest absolute value, NaN of none."""
+    return float(np.max(np.abs(errors))) if errors.size else float("nan")

@@ -1,0 +1,83 @@
+"""Velocity moments of a density: density, bulk velocity, temperature, pressure tensor, kurtosis."""
+
+import numpy as np
+import xarray as xr
+
+from granstudy.velocity.space import VelocitySpace
+
+COMPONENTS = ("x", "y", "z")
+
+LONG_NAMES = {
+    "density": "density ρ = ∫f dv",
+    "velocity": "bulk velocity u = ∫v f dv / ρ",
+    "energy": "energy E = ½∫|v|² f dv",
+    "temperature": "temperature T = ∫|v−u|² f dv / (dρ)",
+    "paper_temperature": "2E/d, the paper's temperature: not divided by density, u taken as 0",
+    "pressure": "pressure tensor P = ∫(v−u)(v−u) f dv",
+    "a2": "kurtosis excess a2 = d/(d+2) ⟨|v−u|⁴⟩/⟨|v−u|²⟩² − 1",
+    "minimum": "smallest value of the density on the grid",
+}
+
+FRAME_LONG_NAMES = {
+    "velocity_scale": "velocity scale θ of the rescaled frame, v = u + θc",
+    "frame_velocity": "velocity u of the rescaled frame",
+    "collision_time": "collision time τ = ∫θ^λ dt",
+}
+"""Where a rescaled frame is (docs/method.md §5)."""
+
+DIMENSIONS: dict[str, tuple[str, ...]] = {
+    "velocity": ("component",),
+    "frame_velocity": ("component",),
+    "pressure": ("component", "component_"),
+}
+"""Dimensions of the moments that are not scalars."""
+
+
+def moments(f: np.ndarray, grid: VelocitySpace) -> xr.Dataset:
+    """Moments of a density by the grid's quadrature.
+
+    Parameters
+    ----------
+    f : ndarray, shape grid.shape
+        Density; of a complex array (the `literal` method's state) the real part counts.
+    grid : VelocityGrid or RadialGrid
+
+    Returns
+    -------
+    xarray.Dataset
+        The variables of `LONG_NAMES`; `velocity` over ``component``, `pressure` over
+        ``component`` × ``component_``. All dimensionless.
+
+    Raises
+    ------
+    ValueError
+        If ``f`` has another shape than the grid.
+    """
+    if np.shape(f) != grid.shape:
+        raise ValueError(f"f has shape {np.shape(f)}: the grid's is {grid.shape}")
+    values = moment_values(np.real(f), grid)
+    components = list(COMPONENTS[: grid.dim])
+    return xr.Dataset(
+        {
+            name: (DIMENSIONS.get(name, ()), value, {"long_name": LONG_NAMES[name], "units": "1"})
+            for name, value in values.items()
+        },
+        coords={"component": components, "component_": components},
+    )
+
+
+def moment_values(f: np.ndarray, grid: VelocitySpace) -> dict[str, np.ndarray]:
+    """The moments as plain arrays, for use at every step (paper eqs. 19 to 21)."""
+    d = grid.dim
+    m = grid.velocity_moments(f)
+    temperature = np.trace(m.pressure) / (d * m.density)
+    return {
+        "density": m.density,
+        "velocity": m.momentum / m.density,
+        "energy": m.energy,
+        "temperature": temperature,
+        "paper_temperature": 2.0 * m.energy / d,
+        "pressure": m.pressure,
+        "a2": m.fourth / m.density / (d * (d + 2) * temperature**2) - 1.0,
+        "minimum": f.min(),
+    }
