@@ -4,13 +4,14 @@ from granstudy.collision import CollisionOperator, collision_operator
 from granstudy.collision.choice.cheapest import choose
 from granstudy.collision.choice.grid import fit_solver
 from granstudy.collision.fast.adaptive.plan import QuadraturePlan
+from granstudy.datasets.netcdf import read_dataset, write_dataset
 from granstudy.datasets.open_runs import final_values, open_runs, unstack_runs
-from granstudy.datasets.run_dataset import read_dataset, write_dataset
 from granstudy.evolution.evolve import simulate
 from granstudy.evolution.forecast import Forecast, plan
 from granstudy.evolution.frames.physical import physical_density
 from granstudy.evolution.stability import stability_limit
-from granstudy.model.kernel import VHS, Viscoelastic, hard_spheres, maxwell
+from granstudy.model.kernel import VHS, hard_spheres, maxwell
+from granstudy.model.restitution import Viscoelastic
 from granstudy.model.scene import Scene, load_scene
 from granstudy.model.solver import Choice, Solver
 from granstudy.states.solve import cooling_state, heated_state

@@ -1,11 +1,10 @@
 """Compare regenerated tables with committed ones: ok, minor, major or missing.
 
-``python -m granstudy.analysis.compare results/quick/tables committed`` prints a report and exits with 1 if anything
-is major or missing.
+``python -m granstudy.analysis.compare NEW COMMITTED`` (folders of CSV tables) prints a report and exits with
+1 if anything is major or missing.
 """
 
 import sys
-from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
 
@@ -13,7 +12,8 @@ import numpy as np
 import pandas as pd
 from pandas.api.types import is_bool_dtype, is_numeric_dtype
 
-from granstudy.study.schema.file import SWEPT
+from granstudy.analysis.columns import DEFAULT, TOLERANCES, Tolerance
+from granstudy.datasets.parameters import SWEPT
 
 KEYS = (*SWEPT, "N_theta", "N_phi", "threads", "case", "configuration", "variation")
 """Columns that tell which row it is."""
@@ -27,49 +27,6 @@ class Grade(IntEnum):
     MAJOR = 2
     MISSING = 3
 
-
-@dataclass(frozen=True)
-class Tolerance:
-    """Largest difference |a−b| ≤ relative·|b| + absolute that is ok, and why; None: not compared."""
-
-    relative: float | None
-    absolute: float
-    reason: str
-
-
-TOLERANCES = {
-    "paper_temperature_error": Tolerance(
-        1e-6, 1e-12, "the recipe is deterministic; FFT and BLAS round-off differ by machine"
-    ),
-    "temperature_error": Tolerance(1e-6, 1e-12, "as paper_temperature_error"),
-    "collision_error": Tolerance(1e-6, 1e-12, "max|Q| is about 0.1, known to round-off"),
-    "relative_error": Tolerance(1e-6, 1e-11, "collision_error over max|Q|"),
-    "error": Tolerance(
-        1e-6, 1e-11, "collision_error over max|Q|; a tolerance's plan is deterministic"
-    ),
-    "temperature": Tolerance(1e-9, 1e-12, "a moment of order one after some hundred steps"),
-    "largest_temperature_error": Tolerance(
-        1e-4, 1e-9, "a difference of moments known to 1e-9; steps that adapt follow round-off"
-    ),
-    "largest_a2_error": Tolerance(1e-4, 1e-8, "as largest_temperature_error"),
-    "temperature_error_estimate": Tolerance(1e-4, 1e-9, "as largest_temperature_error"),
-    "a2_error_estimate": Tolerance(1e-4, 1e-8, "as largest_temperature_error"),
-    "a2": Tolerance(1e-6, 1e-8, "a quotient of moments after some hundred adaptive steps"),
-    "density_drift": Tolerance(1e-6, 1e-11, "round-off of a sum over the grid"),
-    "order": Tolerance(1e-3, 1e-3, "a slope through errors near the round-off of T"),
-    "C0": Tolerance(1e-7, 0.0, "a fit to smooth data"),
-    "C0_error": Tolerance(1e-4, 0.0, "a variance of small residuals"),
-    "ratio": Tolerance(1e-6, 1e-5, "a quotient of the above and a printed number"),
-    "seconds": Tolerance(None, 0.0, "depends on the machine and its load"),
-    "fft_seconds": Tolerance(None, 0.0, "as seconds"),
-    "speedup": Tolerance(None, 0.0, "a quotient of seconds on a shared machine"),
-    "overhead": Tolerance(None, 0.0, "as speedup"),
-    "peak_memory_mb": Tolerance(None, 0.0, "depends on the allocator"),
-    "front": Tolerance(None, 0.0, "follows from seconds"),
-    "time_exponent": Tolerance(None, 0.0, "a slope through seconds"),
-    "memory_exponent": Tolerance(None, 0.0, "a slope through peak memories"),
-}
-DEFAULT = Tolerance(1e-9, 0.0, "a constant of the study")
 
 MAJOR_FACTOR = 100.0
 """A difference beyond so many tolerances is major."""

@@ -1,5 +1,6 @@
 """Collision operators Q(f,f) behind one protocol."""
 
-from granstudy.collision.operator import CollisionOperator, collision_operator, concrete
+from granstudy.collision.operator import collision_operator, concrete
+from granstudy.collision.protocol import CollisionOperator
 
 __all__ = ["CollisionOperator", "collision_operator", "concrete"]

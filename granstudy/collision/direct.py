@@ -13,16 +13,14 @@ import numba
 import numpy as np
 from scipy.special import eval_legendre, jv, spherical_jn
 
-from granstudy.collision.operator import check_state
+from granstudy.collision.protocol import check_state
 from granstudy.collision.rules import converged_radial, radial_nodes
-from granstudy.collision.variable_restitution import mean_phase
-from granstudy.collision.weights import SphereMean, alpha, loss_weight, radial_measure
-from granstudy.model.kernel import sphere_area
+from granstudy.collision.weights import SphereMean, alpha, loss_weight, mean_phase, radial_measure
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.quadrature import Rule
 from granstudy.velocity.cartesian import VelocityGrid
-from granstudy.velocity.sphere import paper_sphere_mean, sphere_mean
+from granstudy.velocity.sphere import paper_sphere_mean, sphere_area, sphere_mean
 
 DEGREE = 5
 """Degree of the piecewise polynomials in |m−αk| that tabulate the gain weight."""

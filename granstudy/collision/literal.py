@@ -9,10 +9,9 @@ import numpy as np
 import pyfftw
 
 from granstudy.collision.fourier.threads import SHARES, Workers
-from granstudy.collision.operator import check_state
+from granstudy.collision.protocol import check_state
 from granstudy.collision.rules import directions, radial_nodes
-from granstudy.collision.variable_restitution import mean_gain
-from granstudy.collision.weights import alpha, loss_weight, radial_measure
+from granstudy.collision.weights import alpha, loss_weight, mean_gain, radial_measure
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.velocity.cartesian import VelocityGrid

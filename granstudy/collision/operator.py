@@ -1,18 +1,15 @@
 """The protocol of a collision operator, and the choice of one by the solver's method."""
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from granstudy.model.kernel import check_restitution
+from granstudy.collision.protocol import CollisionOperator
+from granstudy.model.restitution import check_restitution
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Choice, Solver
-from granstudy.velocity.cartesian import VelocityGrid
-from granstudy.velocity.space import VelocitySpace
 
 if TYPE_CHECKING:
-    from granstudy.collision.fast.adaptive.plan import QuadraturePlan
+    pass
 
 OPERATORS = {
     "literal": ("granstudy.collision.literal", "LiteralOperator"),
@@ -26,52 +23,6 @@ OPERATORS = {
 }
 """Module and maker of the operator behind each method; imported only where a method is used, so that a
 run loads, and is fingerprinted by, no other method's code."""
-
-
-class CollisionOperator(Protocol):
-    """Q(f,f) for one scene and one solver: planned once, called often.
-
-    Attributes
-    ----------
-    grid : VelocityGrid, or RadialGrid of the method `radial`
-    transforms : int
-        Fourier transforms on the grid that one call makes.
-    """
-
-    @property
-    def grid(self) -> VelocitySpace: ...  # noqa: D102
-    @property
-    def transforms(self) -> int: ...  # noqa: D102
-
-    def __call__(self, f: np.ndarray) -> np.ndarray:
-        """Q(f,f), of the shape and type of ``f``: real for real densities."""
-
-    def transform(self) -> None:
-        """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
-
-
-@runtime_checkable
-class SpectrumOperator(CollisionOperator, Protocol):
-    """An operator of which a run advances f̂, complex and never projected on real f (`literal`)."""
-
-    @property
-    def grid(self) -> VelocityGrid: ...  # noqa: D102
-
-    def spectrum(self, f_hat: np.ndarray) -> np.ndarray:
-        """Q̂ from f̂ (docs/method.md §2, normalised by N^d), both in FFT order."""
-
-
-@runtime_checkable
-class TunedOperator(CollisionOperator, Protocol):
-    """An operator with a quadrature chosen for a tolerance and a density (`Solver.rtol`)."""
-
-    plan: "QuadraturePlan"
-
-    def check(self, f: np.ndarray) -> float:
-        """The error of Q(f,f) that the tolerance bounds, by a finer quadrature."""
-
-    def tune(self, f: np.ndarray) -> "QuadraturePlan":
-        """Choose the quadrature anew, for this density."""
 
 
 def concrete(scene: Scene, solver: Solver) -> Choice:
@@ -114,19 +65,3 @@ def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:
     module, name = OPERATORS[solver.operator]
     operator = getattr(import_module(module), name)
     return operator(scene, solver)
-
-
-class NotFiniteError(ValueError):
-    """A density holds NaN or infinite values."""
-
-
-class ToleranceError(ValueError):
-    """A tolerance cannot be reached on the solver's grid."""
-
-
-def check_state(f: np.ndarray, grid: VelocitySpace) -> None:
-    """Raise ValueError unless ``f`` can be a state on ``grid``: its shape, and finite values."""
-    if np.shape(f) != grid.shape:
-        raise ValueError(f"density has shape {np.shape(f)}: the grid's is {grid.shape}")
-    if not np.all(np.isfinite(f)):
-        raise NotFiniteError("density holds values that are NaN or infinite: all must be finite")

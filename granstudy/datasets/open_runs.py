@@ -9,8 +9,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from granstudy.datasets.run_dataset import Status
+from granstudy.datasets.parameters import ABSENT
 from granstudy.support.errors import unknown_name
+from granstudy.trust.flags import Status
 
 NOT_SWEPT = ("N_theta", "N_phi", "time")
 """Coordinates of a run that follow from others."""
@@ -21,28 +22,6 @@ VELOCITY_AXES = {"vx", "vy", "vz", "r", "cx", "cy", "cz", "c"}
 OF_STATES = {"iteration", "tail_speed"}
 """Axes of how a state was found, and of its tail."""
 
-ABSENT: dict[str, Any] = {
-    "N_rho": -1,
-    "M_sph": -1,
-    "N_theta": -1,
-    "N_phi": -1,
-    "M_cir": -1,
-    "rtol": -1.0,
-    "particles": -1,
-    "batches": -1,
-    "seed": -1,
-    "variant": "",
-    "sphere_rule": "",
-    "radial_rule": "",
-    "dealias": False,
-    "precision": "",
-    "device": "cpu",
-    "frame": "",
-    "scheme": "",
-    "conserve": "",
-    "time_rtol": -1.0,
-}
-"""What stands for a parameter that a run does not have, beside runs that have it."""
 
 Where = str | Path | Iterable[str | Path]
 

@@ -5,11 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from granstudy.evolution.unknowns import Representation
-from granstudy.model.kernel import Restitution
 from granstudy.velocity.space import VelocitySpace
-
-INVARIANTS = ("mass", "momentum", "energy")
-
 
 Projection = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """(state, Q of that state) ↦ Q*."""
@@ -61,12 +57,3 @@ def _maxwellian(grid: VelocitySpace, f: np.ndarray) -> np.ndarray:
     T = np.trace(m.pressure) / (grid.dim * m.density)
     c2 = sum((vi - ui) ** 2 for vi, ui in zip(grid.velocities(), u, strict=True))
     return np.exp(-np.asarray(c2) / (2 * T))
-
-
-def check_conserve(conserve: Sequence[str], restitution: Restitution, frame: str) -> None:
-    """Raise ValueError for the energy of particles whose restitution changes with the frame's scale."""
-    if "energy" in conserve and callable(restitution) and frame == "rescaled":
-        raise ValueError(
-            f"conserve={tuple(conserve)!r}: not energy where frame='rescaled' changes the scale of "
-            f"restitution={restitution!r}; leave 'energy' out"
-        )

@@ -13,21 +13,22 @@ from tqdm import tqdm
 
 from granstudy.collision import CollisionOperator, collision_operator, concrete
 from granstudy.collision.fast.adaptive.retuning import Tuning
-from granstudy.datasets.run_dataset import Status, evolution_dataset
-from granstudy.evolution.conservation import check_conserve, projection
+from granstudy.evolution.conservation import projection
+from granstudy.evolution.dataset import evolution_dataset
 from granstudy.evolution.frames.fixed import FixedFrame
 from granstudy.evolution.frames.rescaled import RescaledFrame, centred
-from granstudy.evolution.frames.scaled_collisions import ScaledRestitution, scaled_collisions
+from granstudy.evolution.frames.scaled_collisions import scaled_collisions
 from granstudy.evolution.schemes import SCHEMES
 from granstudy.evolution.stability import largest_frequency, stability_limit, step_warning
 from granstudy.evolution.steps import AdaptiveSteps, FixedSteps, StoppedError
-from granstudy.evolution.times import TimeSettings
+from granstudy.evolution.times import TimeSettings, check_frame
 from granstudy.evolution.unknowns import collisions, representation
-from granstudy.model.kernel import Restitution
+from granstudy.model.restitution import Restitution, ScaledRestitution
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.trust import health
 from granstudy.trust.error_estimate import Examination
+from granstudy.trust.flags import Status
 from granstudy.trust.pair_rates import RatesAt
 from granstudy.velocity.moments import moment_values
 
@@ -81,7 +82,7 @@ def simulate(
     -------
     xarray.Dataset
         Moments of f at every output over ``time``, exact laws and errors where a law is known, `status` and
-        warnings (see `granstudy.datasets.run_dataset.evolution_dataset`). A run that cannot go on ends early
+        warnings (see `granstudy.evolution.dataset.evolution_dataset`). A run that cannot go on ends early
         with its status and what it had computed. Where the solver left something open, its coordinates
         and the attribute ``solver`` say what was chosen, ``choice`` why, and ``asked_solver`` what was asked.
         The attribute ``steps`` counts the steps and evaluations of Q that an adaptive run made. A rescaled
@@ -169,21 +170,6 @@ def _simulate_particles(
         scene, solver, times, settings.save_every, progress
     )
     return ds if settings.dt is None else ds.assign_coords(dt=settings.dt)
-
-
-def check_frame(scene: Scene, solver: Solver, settings: TimeSettings) -> None:
-    """Raise ValueError for what a frame or conservation cannot do with a scene and a solver."""
-    if solver.method == "dsmc" and (settings.frame != "fixed" or settings.conserve):
-        raise ValueError(
-            f"frame={settings.frame!r}, conserve={settings.conserve!r}: method 'dsmc' needs neither; "
-            "particles keep mass and momentum, and cool without a grid"
-        )
-    check_conserve(settings.conserve, scene.restitution, settings.frame)
-    if settings.frame == "rescaled" and callable(scene.restitution) and solver.rtol is not None:
-        raise ValueError(
-            f"rtol={solver.rtol!r}: not where a rescaled frame changes the scale of "
-            f"restitution={scene.restitution!r}; give N_rho and M_sph (M_cir)"
-        )
 
 
 @dataclass(frozen=True)

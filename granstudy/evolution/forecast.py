@@ -1,32 +1,34 @@
 """A forecast of a run: the method and why, what an evaluation of Q takes, seconds, memory, error."""
 
 import dataclasses
+import math
 from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
 
 from granstudy.collision.carleman.operator import CarlemanOperator
 from granstudy.collision.choice.cheapest import choose
 from granstudy.collision.choice.cost import (
     evaluation_seconds,
-    expected_evaluations,
-    expected_steps,
     memory_mb,
     on_threads,
     reduced_count,
     setup_seconds,
-    step_seconds,
     transform_count,
 )
 from granstudy.collision.fast.adaptive.operator import AdaptiveOperator
 from granstudy.collision.fast.adaptive.plan import QuadraturePlan
 from granstudy.collision.fast.adaptive.retuning import CHECK_EVERY
 from granstudy.collision.operator import collision_operator
+from granstudy.evolution.schemes import SCHEMES
 from granstudy.evolution.times import TimeSettings
-from granstudy.model.kernel import check_restitution
+from granstudy.model.restitution import check_restitution
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.particles.cost import particle_cost
 from granstudy.particles.restitution_table import alpha_table
+from granstudy.theory import haff_constant
 
 NOT_TIMED = "seconds are those of device 'cpu'"
 """What is said of a run on a GPU: no constants of `granstudy.collision.choice.cost` are."""
@@ -212,3 +214,43 @@ def _count(scene: Scene, solver: Solver) -> tuple[QuadraturePlan | None, int, in
         return None, solver.N_rho * reduced_count(scene, solver), transforms, points
     nodes = transforms // 2 - 1 if solver.method == "literal" else 0
     return None, nodes, transforms, solver.N
+
+
+STEPS_PER_COLLISION = 5.0
+"""Steps of an adaptive run in a unit of collision time: 2 near e = 1, 10 where velocities shrink fast."""
+
+
+SECONDS_PER_STEP = 2.5e-4
+"""Of a step's moments and checks whatever the grid."""
+
+
+SECONDS_PER_STEP_POINT = 3.0e-8
+"""Of a step's sums, moments and checks, a grid point."""
+
+
+def expected_steps(scene: Scene, settings: TimeSettings) -> int:
+    """Steps that a run makes: exactly where dt sets them, else about as many, within a factor 3."""
+    if settings.time_rtol is None:
+        return settings.steps
+    law = scene.restitution
+    e = float(law(np.ones(1))[0]) if callable(law) else float(law)
+    collisions = settings.t_final
+    if scene.kernel.exponent > 0.0 and scene.diffusion == 0.0 and e < 1.0:
+        # τ of a gas that cools by Haff's law from T = 1
+        C0 = haff_constant(scene.kernel, e, scene.dim)
+        collisions = np.log1p(C0 * settings.t_final) / C0
+    return len(settings.outputs) + math.ceil(STEPS_PER_COLLISION * collisions)
+
+
+def expected_evaluations(scene: Scene, settings: TimeSettings) -> int:
+    """Evaluations of Q in those steps."""
+    each = SCHEMES[settings.scheme].evaluations
+    if settings.time_rtol is None:
+        return each * settings.steps
+    return each * expected_steps(scene, settings)
+
+
+def step_seconds(scene: Scene, solver: Solver) -> float:
+    """Seconds that a step takes beside its evaluations."""
+    points = solver.N if solver.method == "radial" else solver.N**scene.dim
+    return SECONDS_PER_STEP + SECONDS_PER_STEP_POINT * points

@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from granstudy.evolution.unknowns import Term
+from granstudy.velocity.space import Term
 
 
 class Equation(Protocol):

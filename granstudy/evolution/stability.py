@@ -1,9 +1,10 @@
 """The largest steps that a scheme is stable with (docs/method.md §3)."""
 
 from granstudy.evolution.schemes import SCHEMES
-from granstudy.model.kernel import VHS, sphere_area
+from granstudy.model.kernel import VHS
 from granstudy.support.errors import unknown_name
 from granstudy.velocity.space import VelocitySpace
+from granstudy.velocity.sphere import sphere_area
 
 
 def stability_limit(

@@ -5,8 +5,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from granstudy.collision.operator import NotFiniteError
 from granstudy.evolution.schemes import Equation, Scheme, Step
+from granstudy.support.errors import NotFiniteError
 from granstudy.trust import health
 
 SAFETY = 0.9

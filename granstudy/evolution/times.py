@@ -6,9 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from granstudy.evolution.conservation import INVARIANTS
 from granstudy.evolution.schemes import SCHEMES
+from granstudy.model.restitution import Restitution
+from granstudy.model.scene import Scene
+from granstudy.model.solver import Solver
+from granstudy.support.checks import check_positive
 from granstudy.support.errors import unknown_name
+from granstudy.velocity.space import INVARIANTS
 
 FRAMES = ("fixed", "rescaled")
 
@@ -39,7 +43,7 @@ class TimeSettings:
     save_every: int | None = None
 
     def __post_init__(self) -> None:
-        _check_positive("t_final", self.t_final)
+        check_positive("t_final", self.t_final)
         if (self.dt is None) == (self.time_rtol is None):
             raise ValueError(
                 f"dt={self.dt!r}, time_rtol={self.time_rtol!r}: give one, a step or its tolerance"
@@ -72,7 +76,7 @@ class TimeSettings:
 
     def _check_adaptive(self) -> None:
         rtol = self.time_rtol
-        _check_positive("time_rtol", rtol)
+        check_positive("time_rtol", rtol)
         assert rtol is not None
         if not 1e-13 <= rtol < 1.0:
             raise ValueError(f"time_rtol={rtol!r}: must be a number between 1e-13 and 1")
@@ -121,14 +125,32 @@ class TimeSettings:
 def step_count(t_final: float, dt: float) -> int:
     """Number of steps, or ValueError where ``t_final`` is not a whole number of them."""
     for field, value in (("t_final", t_final), ("dt", dt)):
-        _check_positive(field, value)
+        check_positive(field, value)
     steps = round(t_final / dt)
     if steps < 1 or abs(steps * dt - t_final) > 1e-9 * t_final:
         raise ValueError(f"dt={dt!r}: t_final={t_final!r} must be a whole number of steps")
     return steps
 
 
-def _check_positive(field: str, value: object) -> None:
-    is_number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
-    if not (is_number and np.isfinite(value) and value > 0):  # type: ignore[call-overload, operator]
-        raise ValueError(f"{field}={value!r}: must be a positive number")
+def check_conserve(conserve: Sequence[str], restitution: Restitution, frame: str) -> None:
+    """Raise ValueError for the energy of particles whose restitution changes with the frame's scale."""
+    if "energy" in conserve and callable(restitution) and frame == "rescaled":
+        raise ValueError(
+            f"conserve={tuple(conserve)!r}: not energy where frame='rescaled' changes the scale of "
+            f"restitution={restitution!r}; leave 'energy' out"
+        )
+
+
+def check_frame(scene: Scene, solver: Solver, settings: TimeSettings) -> None:
+    """Raise ValueError for what a frame or conservation cannot do with a scene and a solver."""
+    if solver.method == "dsmc" and (settings.frame != "fixed" or settings.conserve):
+        raise ValueError(
+            f"frame={settings.frame!r}, conserve={settings.conserve!r}: method 'dsmc' needs neither; "
+            "particles keep mass and momentum, and cool without a grid"
+        )
+    check_conserve(settings.conserve, scene.restitution, settings.frame)
+    if settings.frame == "rescaled" and callable(scene.restitution) and solver.rtol is not None:
+        raise ValueError(
+            f"rtol={solver.rtol!r}: not where a rescaled frame changes the scale of "
+            f"restitution={scene.restitution!r}; give N_rho and M_sph (M_cir)"
+        )

@@ -7,13 +7,10 @@ from typing import Protocol
 import numpy as np
 import scipy.fft
 
-from granstudy.collision.operator import CollisionOperator, SpectrumOperator
+from granstudy.collision.protocol import CollisionOperator, SpectrumOperator
 from granstudy.velocity.cartesian import VelocityGrid
-from granstudy.velocity.space import VelocitySpace
+from granstudy.velocity.space import Term, VelocitySpace
 from granstudy.velocity.symmetry import Symmetry
-
-Term = tuple[Callable[[np.ndarray], np.ndarray], np.ndarray]
-"""A function of the Laplacian, and the state that it acts on."""
 
 
 class Representation(Protocol):

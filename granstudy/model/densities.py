@@ -1,13 +1,16 @@
 """Initial densities by name; each is a function of the velocity components and knows its symmetry."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar, Protocol
 
 import numpy as np
 from scipy.special import gamma
 
 from granstudy.model.stated_moments import StatedMoments, isotropic, of_gaussians
+from granstudy.support.checks import check_positive
+from granstudy.support.errors import unknown_name
 from granstudy.velocity.symmetry import Symmetry, stabiliser
 
 
@@ -138,7 +141,7 @@ class Maxwellian:
     velocity: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
-        _check_positive("temperature", self.temperature)
+        check_positive("temperature", self.temperature)
         velocity = (0.0,) * self.dim if self.velocity is None else tuple(self.velocity)
         if len(velocity) != self.dim or not np.all(np.isfinite(velocity)):
             raise ValueError(f"velocity={self.velocity!r}: must be {self.dim} finite numbers")
@@ -175,7 +178,7 @@ class UniformBall:
     symmetry: ClassVar[str] = "full"
 
     def __post_init__(self) -> None:
-        _check_positive("temperature", self.temperature)
+        check_positive("temperature", self.temperature)
 
     @property
     def radius(self) -> float:
@@ -208,7 +211,7 @@ class PowerLaw:
     symmetry: ClassVar[str] = "full"
 
     def __post_init__(self) -> None:
-        _check_positive("temperature", self.temperature)
+        check_positive("temperature", self.temperature)
         if not (np.isfinite(self.tail) and self.tail > self.dim + 4):
             raise ValueError(
                 f"tail={self.tail!r}: must be a number above {self.dim + 4}, for a finite fourth moment"
@@ -240,7 +243,7 @@ class TwoBeams:
 
     def __post_init__(self) -> None:
         for field in ("separation", "temperature"):
-            _check_positive(field, getattr(self, field))
+            check_positive(field, getattr(self, field))
 
     @property
     def _centre(self) -> tuple[float, ...]:
@@ -265,6 +268,30 @@ class TwoBeams:
         return (beams[0] + beams[1]) / (2 * (2 * np.pi * T) ** (self.dim / 2))
 
 
-def _check_positive(field: str, value: float) -> None:
-    if not (np.isfinite(value) and value > 0):
-        raise ValueError(f"{field}={value!r}: must be a positive number")
+INITIAL_DENSITIES: dict[str, Callable[..., InitialDensity]] = {
+    "bkw2d": Bkw2D,
+    "bkw3d": Bkw3D,
+    "double_well2d": DoubleWell2D,
+    "double_well3d": DoubleWell3D,
+    "three_gaussians3d": ThreeGaussians3D,
+    "maxwellian2d": partial(Maxwellian, 2),
+    "maxwellian3d": partial(Maxwellian, 3),
+    "uniform_ball2d": partial(UniformBall, 2),
+    "uniform_ball3d": partial(UniformBall, 3),
+    "power_law2d": partial(PowerLaw, 2),
+    "power_law3d": partial(PowerLaw, 3),
+    "two_beams2d": partial(TwoBeams, 2),
+    "two_beams3d": partial(TwoBeams, 3),
+}
+
+
+def scene_names() -> list[str]:
+    """Names that `load_scene` knows."""
+    return sorted(INITIAL_DENSITIES)
+
+
+def named_density(name: object) -> Callable[..., InitialDensity]:
+    """What makes the initial density of that name, or ValueError for an unknown one."""
+    if name not in INITIAL_DENSITIES:
+        raise unknown_name("scene", name, scene_names())
+    return INITIAL_DENSITIES[str(name)]

@@ -9,39 +9,15 @@ from typing import Any
 import numpy as np
 
 from granstudy.model.densities import (
-    Bkw2D,
-    Bkw3D,
-    DoubleWell2D,
-    DoubleWell3D,
-    InitialDensity,
-    Maxwellian,
-    PowerLaw,
-    ThreeGaussians3D,
-    TwoBeams,
-    UniformBall,
+    named_density,
 )
-from granstudy.model.kernel import VHS, Restitution, check_restitution, maxwell
+from granstudy.model.kernel import VHS, maxwell
+from granstudy.model.restitution import Restitution, check_restitution
 from granstudy.model.stated_moments import StatedMoments
 from granstudy.support.errors import unknown_name
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.space import VelocitySpace
 from granstudy.velocity.symmetry import Symmetry
-
-INITIAL_DENSITIES: dict[str, Callable[..., InitialDensity]] = {
-    "bkw2d": Bkw2D,
-    "bkw3d": Bkw3D,
-    "double_well2d": DoubleWell2D,
-    "double_well3d": DoubleWell3D,
-    "three_gaussians3d": ThreeGaussians3D,
-    "maxwellian2d": partial(Maxwellian, 2),
-    "maxwellian3d": partial(Maxwellian, 3),
-    "uniform_ball2d": partial(UniformBall, 2),
-    "uniform_ball3d": partial(UniformBall, 3),
-    "power_law2d": partial(PowerLaw, 2),
-    "power_law3d": partial(PowerLaw, 3),
-    "two_beams2d": partial(TwoBeams, 2),
-    "two_beams3d": partial(TwoBeams, 3),
-}
 
 
 @dataclass(frozen=True)
@@ -92,7 +68,7 @@ class Scene:
         ):
             raise ValueError(f"diffusion={self.diffusion!r}: must be a number of at least 0")
         if not callable(self.initial):
-            make = _named_initial(self.initial)
+            make = named_density(self.initial)
             object.__setattr__(self, "initial", make())
         own_dim = getattr(self.initial, "dim", self.dim)
         if own_dim != self.dim:
@@ -160,11 +136,6 @@ def check_density(f: np.ndarray, grid: VelocitySpace) -> np.ndarray:
     return f
 
 
-def scene_names() -> list[str]:
-    """Names that `load_scene` knows."""
-    return sorted(INITIAL_DENSITIES)
-
-
 def load_scene(name: str, **overrides: Any) -> Scene:
     """Named scene, any field overridden.
 
@@ -177,7 +148,7 @@ def load_scene(name: str, **overrides: Any) -> Scene:
     ValueError
         For an unknown name or override, or a value its field does not allow.
     """
-    make = _named_initial(name)
+    make = named_density(name)
     fields = {field.name for field in dataclasses.fields(Scene)} - {"dim", "initial"}
     scene_fields = {key: value for key, value in overrides.items() if key in fields}
     own = {key: value for key, value in overrides.items() if key not in fields}
@@ -194,9 +165,3 @@ def load_scene(name: str, **overrides: Any) -> Scene:
     return Scene(
         **{"dim": dim, "initial": initial, "kernel": maxwell(dim), "diffusion": 1e-6} | scene_fields
     )
-
-
-def _named_initial(name: object) -> Callable[..., InitialDensity]:
-    if name not in INITIAL_DENSITIES:
-        raise unknown_name("scene", name, scene_names())
-    return INITIAL_DENSITIES[str(name)]

@@ -7,13 +7,10 @@ import os
 from dataclasses import dataclass
 from typing import Any
 
+from granstudy.support.checks import check_count
 from granstudy.support.errors import unknown_name
-from granstudy.velocity.cartesian import (
-    VelocityGrid,
-    check_node_count,
-    check_point_count,
-    check_radius,
-)
+from granstudy.velocity.cartesian import VelocityGrid
+from granstudy.velocity.space import check_node_count, check_point_count, check_radius
 
 METHODS = ("auto", "literal", "direct", "fast", "radial", "carleman", "dsmc")
 VARIANTS = ("full", "separate")
@@ -130,12 +127,12 @@ class Solver:
             if self.method != "direct":
                 raise ValueError(f"N_rho=None: only method 'direct' allows it, not {self.method!r}")
         else:
-            _check_count("N_rho", self.N_rho)
-        _check_count("M_cir", self.M_cir)
+            check_count("N_rho", self.N_rho)
+        check_count("M_cir", self.M_cir)
         if not isinstance(self.M_sph, (tuple, list)):
-            _check_count("M_sph", self.M_sph)
+            check_count("M_sph", self.M_sph)
         if self.threads is not None:
-            _check_count("threads", self.threads)
+            check_count("threads", self.threads)
         for field, allowed in (
             ("variant", VARIANTS),
             ("method", METHODS),
@@ -192,8 +189,8 @@ class Solver:
                         f"{field.name}={value!r}: only method 'dsmc' takes it, not {self.method!r}"
                     )
             return
-        _check_count("particles", self.particles)
-        _check_count("batches", self.batches)
+        check_count("particles", self.particles)
+        check_count("batches", self.batches)
         assert self.particles is not None
         if self.batches < 2:
             raise ValueError(f"batches={self.batches!r}: must be at least 2, for standard errors")
@@ -273,8 +270,3 @@ class Choice:
             return {}
         asked = json.dumps(self.asked.describe(), sort_keys=True)
         return {"asked_solver": asked, "choice": self.reason}
-
-
-def _check_count(field: str, value: object) -> None:
-    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-        raise ValueError(f"{field}={value!r}: must be a positive integer")

@@ -1,6 +1,6 @@
 """Direct simulation by particles (DSMC): an independent check of the spectral methods (docs/particles.md)."""
 
-from granstudy.particles.averages import time_average
+from granstudy.particles.dataset import time_average
 from granstudy.particles.simulation import simulate_particles
 
 __all__ = ["simulate_particles", "time_average"]

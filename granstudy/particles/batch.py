@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from granstudy.model.kernel import sphere_area
 from granstudy.model.scene import Scene
 from granstudy.particles.collisions import collide, count_in_cells, means
 from granstudy.particles.restitution_table import alpha_table
+from granstudy.velocity.sphere import sphere_area
 
 HEATING_SPLIT = 2.5e-3
 """(2εh/T)·(νh) of a step h of heating, ν the collision rate: an error of T below 1e-4 at steady state."""

@@ -8,11 +8,12 @@ from scipy.integrate import solve_ivp
 from scipy.special import gamma
 
 from granstudy.collision.choice.cost import INTERPRETER_MB, Cost
-from granstudy.model.kernel import VHS, sphere_area
+from granstudy.model.kernel import VHS
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.particles.batch import COLLISIONS_A_STEP, HEATING_SPLIT
 from granstudy.theory import gaussian_cooling_coefficient
+from granstudy.velocity.sphere import sphere_area
 
 SECONDS_PER_COLLISION = {"maxwell": 5.5e-8, "hard spheres": 1.9e-7, "between": 4.0e-7}
 """With the candidates that come to none, on one core of a 2021 server; a general |g|^λ takes long."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 from granstudy.collision.weights import alpha
-from granstudy.model.kernel import Restitution, check_restitution
+from granstudy.model.restitution import Restitution, check_restitution
 from granstudy.particles.collisions import OCTAVES, PER_OCTAVE
 
 LARGEST_SPEED = 4.0

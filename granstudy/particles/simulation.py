@@ -9,11 +9,12 @@ import numpy as np
 import xarray as xr
 from tqdm import tqdm
 
-from granstudy.datasets.run_dataset import Status, particle_dataset, standard_error
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.particles.batch import Batch, Gas, HardImpactError, history
+from granstudy.particles.dataset import particle_dataset, standard_error
 from granstudy.particles.sampling import Sampler, quiet
+from granstudy.trust.flags import Status
 from granstudy.velocity.cartesian import VelocityGrid
 
 LEAST_TEMPERATURE = 1e-150

@@ -5,6 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from granstudy.model.scene import Scene
+from granstudy.model.solver import Solver
+from granstudy.velocity.moments import moment_values
+from granstudy.velocity.radial import RadialGrid
 from granstudy.velocity.space import VelocitySpace
 
 Linear = Callable[[np.ndarray], np.ndarray]
@@ -101,3 +105,23 @@ class SteadyEquation:
     @staticmethod
     def _join(g: np.ndarray, rest: np.ndarray | list[float]) -> np.ndarray:
         return np.concatenate([g.ravel(), rest])
+
+
+@dataclass(frozen=True)
+class Gas:
+    """What the state is asked to have, of the scene's initial density on the grid."""
+
+    density: float
+    velocity: np.ndarray
+    temperature: float
+
+
+def gas_of(scene: Scene, solver: Solver) -> Gas:
+    """Density, bulk velocity and temperature of the scene's initial density on the solver's grid."""
+    grid: VelocitySpace = (
+        RadialGrid(scene.dim, solver.N, solver.R)
+        if solver.method == "radial"
+        else solver.grid(scene.dim)
+    )
+    values = moment_values(scene.density(grid), grid)
+    return Gas(float(values["density"]), values["velocity"], float(values["temperature"]))

@@ -6,17 +6,24 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from granstudy.collision import collision_operator, concrete
 from granstudy.collision.fast.adaptive.retuning import Tuning
-from granstudy.datasets.run_dataset import collision_dataset, read_dataset, write_dataset
+from granstudy.datasets.netcdf import read_dataset, write_dataset
+from granstudy.datasets.run_dataset import stamped
 from granstudy.evolution.evolve import simulate
+from granstudy.model.scene import Scene
+from granstudy.model.solver import Solver
 from granstudy.states.solve import FIND
-from granstudy.study.jobs import run_key
 from granstudy.study.run import Run
+from granstudy.study.run_key import run_key
 from granstudy.support.files import write_whole
+from granstudy.trust.flags import Status
+from granstudy.velocity.space import VelocitySpace
 
 
 def execute(run: Run, threads: int) -> xr.Dataset:
@@ -52,7 +59,7 @@ def execute_job(
     Parameters
     ----------
     keys : sequence of str
-        `granstudy.study.jobs.run_key` of every run, stored as the dataset's attribute.
+        `granstudy.study.run_key.run_key` of every run, stored as the dataset's attribute.
 
     Raises
     ------
@@ -85,3 +92,18 @@ def _holds(path: Path, key: str) -> bool:
         return bool(read_dataset(path).attrs.get("run_key") == key)
     except (OSError, ValueError):
         return False
+
+
+def collision_dataset(
+    scene: Scene,
+    solver: Solver,
+    grid: VelocitySpace,
+    Q: np.ndarray,
+    plans: Sequence[dict[str, Any]] = (),
+) -> xr.Dataset:
+    """Dataset of one evaluation Q(f0,f0) on the initial density, shape ``grid.shape``."""
+    attributes = {"long_name": "collision operator Q(f0,f0)", "units": "1"}
+    ds = xr.Dataset({"Q": (grid.axes, Q, attributes)}, coords=grid.coordinates())
+    finite = bool(np.all(np.isfinite(Q)))
+    status, reason = (Status.OK, "") if finite else (Status.DIVERGED, "Q is not finite")
+    return stamped(ds, scene, solver, None, status, reason, [], "collision", plans)

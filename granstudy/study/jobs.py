@@ -1,13 +1,12 @@
 """Cheap runs of an experiment share a job: starting one costs seconds, whatever it computes."""
 
-import hashlib
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import count
 from math import ceil
 
 from granstudy.study.run import Run
-from granstudy.support.fingerprint import run_fingerprint
+from granstudy.study.run_key import run_key
 
 JOB_SECONDS = 60.0
 """Runs are put together until their estimated time reaches this; a longer run is alone in its job."""
@@ -61,12 +60,3 @@ def jobs(runs: list[Run]) -> list[Job]:
         if run is not None:
             waiting.append(run)
     return found
-
-
-def run_key(run: Run) -> str:
-    """Hash over all that a run's numbers depend on: its parameters and the code that computes it."""
-    chooses = ("granstudy.collision.choice.cheapest",) if run.solver.is_open else ()
-    if run.solver.N is None:
-        chooses += ("granstudy.collision.choice.grid",)
-    code = run_fingerprint(run.model.run, run.choice.solver.operator, chooses)
-    return hashlib.sha256(f"{run.parameters()}\n{code}".encode()).hexdigest()[:32]

@@ -9,29 +9,30 @@ from urllib.parse import quote
 
 from granstudy.collision.carleman import scenes as carleman_scenes
 from granstudy.collision.choice.cheapest import choose
-from granstudy.collision.choice.cost import Cost, estimate, expected_evaluations
+from granstudy.collision.choice.cost import Cost, estimate
 from granstudy.collision.fast.gpu import device
 from granstudy.collision.rules import directions
-from granstudy.evolution.evolve import check_frame
-from granstudy.evolution.times import TimeSettings
+from granstudy.evolution.forecast import expected_evaluations
+from granstudy.evolution.times import TimeSettings, check_frame
 from granstudy.model.isotropy import check_isotropic
-from granstudy.model.kernel import VHS, Viscoelastic, check_restitution, sphere_area
+from granstudy.model.kernel import VHS
+from granstudy.model.restitution import Viscoelastic, check_restitution
 from granstudy.model.scene import Scene, load_scene
 from granstudy.model.solver import PARTICLE_FIELDS, TAKES_RTOL, Choice, Solver
 from granstudy.particles.cost import particle_cost
 from granstudy.particles.restitution_table import alpha_table
 from granstudy.states.solve import check_state, gaussian_scene, state_evaluations
-from granstudy.study.schema.file import (
-    Experiment,
+from granstudy.study.schema.experiment import Experiment, TimingModel
+from granstudy.study.schema.sections import (
     SceneFields,
     SolverModel,
     TimeFields,
     TimeModel,
     TimesModel,
-    TimingModel,
     ViscoelasticModel,
 )
-from granstudy.trust.truth import check_maxwell_law
+from granstudy.trust.exact_law import check_maxwell_law
+from granstudy.velocity.sphere import sphere_area
 
 SHARED_WITH_REFERENCE = ("e", "exponent", "epsilon", "N", "R", "N_rho")
 """What a collision run's reference takes over from the run: all but the rule on the sphere."""

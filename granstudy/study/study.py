@@ -5,8 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from granstudy.datasets.parameters import SWEPT
 from granstudy.study.run import Run
-from granstudy.study.schema.file import SWEPT, Experiment, StudyFile, read_study_file
+from granstudy.study.schema.experiment import Experiment
+from granstudy.study.schema.file import StudyFile, read_study_file
 from granstudy.support.errors import unknown_name
 
 

@@ -15,3 +15,11 @@ def nearest(name: str, allowed: Sequence[str]) -> str:
     """`` (did you mean 'x'?)`` for the allowed name nearest to ``name``, or nothing."""
     close = difflib.get_close_matches(name, allowed, n=1)
     return f" (did you mean {close[0]!r}?)" if close else ""
+
+
+class NotFiniteError(ValueError):
+    """A density holds NaN or infinite values."""
+
+
+class ToleranceError(ValueError):
+    """A tolerance cannot be reached on the solver's grid."""

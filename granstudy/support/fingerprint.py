@@ -11,30 +11,10 @@ from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
-from granstudy.collision.operator import OPERATORS
-
-PARTICLES = "granstudy.particles.simulation"
-"""What computes the runs of `dsmc`, which has no operator."""
-
 PACKAGE = Path(__file__).parents[1]
 
 DATA = {"granstudy.quadrature.design_data": PACKAGE / "quadrature" / "data"}
 """Folders of data that a module reads; they count as its code."""
-
-
-def run_fingerprint(kind: str, operator: str, also: tuple[str, ...] = ()) -> str:
-    """Fingerprint of the modules behind an ``evolution``, ``collision`` or ``state`` run with an operator.
-
-    ``operator`` is `Solver.operator`: the method, or ``adaptive`` where it has a tolerance; ``also``
-    are modules that choose it.
-    """
-    entry = {
-        "evolution": "granstudy.evolution.evolve",
-        "collision": "granstudy.datasets.run_dataset",
-        "state": "granstudy.states.solve",
-    }[kind]
-    method = PARTICLES if operator == "dsmc" else OPERATORS[operator][0]
-    return fingerprint((entry, "granstudy.collision.operator", method, *also))
 
 
 def fingerprint(modules: Iterable[str]) -> str:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from granstudy.velocity.cartesian import check_dim
+from granstudy.velocity.space import check_dim
 
 __all__ = ["check_dim", "check_exponent", "check_restitution", "check_tensor"]
 

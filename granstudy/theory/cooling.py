@@ -3,8 +3,9 @@
 import numpy as np
 from scipy.special import gamma
 
-from granstudy.model.kernel import VHS, sphere_area
+from granstudy.model.kernel import VHS
 from granstudy.theory.checks import check_dim, check_restitution
+from granstudy.velocity.sphere import sphere_area
 
 MAXWELL_COOLING = "exponent=0: Maxwell molecules cool exponentially; Haff's law needs λ > 0"
 

@@ -1,26 +1,18 @@
 """Whether a run can be trusted: what is measured while it runs, and the label that comes of it.
 
 Of particles that is what their batches differ by. On a grid, collisions change energy and fourth moment at
-rates that all pairs of a density give without truncation, modes or directions (`granstudy.trust.pair_rates`). What Q's
-own moments differ by, over time, is what T and a2 are off by (docs/method.md §10). Beside it stand the signs
-of a density that its grid cannot hold.
+rates that all pairs of a density give without truncation, modes or directions
+(`granstudy.trust.pair_rates`). What Q's own moments differ by, over time, is what T and a2 are off by
+(docs/method.md §10). Beside it stand the signs of a density that its grid cannot hold.
 """
 
 from collections.abc import Sequence
-from enum import IntEnum
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from granstudy.trust.flags import Trust
 from granstudy.velocity.space import VelocitySpace
-
-
-class Trust(IntEnum):
-    """How far a run's temperature and kurtosis can be trusted; see `SIGNS`."""
-
-    UNTRUSTED = 0
-    MARGINAL = 1
-    TRUSTED = 2
 
 
 class Sign(NamedTuple):
@@ -140,3 +132,51 @@ def verdict(outputs: Sequence[dict[str, float]], stopped: str) -> tuple[Trust, l
     if stopped or any(not value <= SIGNS[name].untrusted for name, value in worst.items()):
         return Trust.UNTRUSTED, reasons
     return (Trust.MARGINAL if reasons else Trust.TRUSTED), reasons
+
+
+def health_variables(outputs: Sequence[dict[str, float]], stopped: str) -> dict[str, Any]:
+    """What was measured at every output, and the label that comes of it."""
+    variables: dict[str, Any] = {
+        variable: (
+            "time",
+            [output[name] for output in outputs],
+            {"long_name": long_name, "units": "1"},
+        )
+        for name, (variable, long_name) in HEALTH_NAMES.items()
+        if outputs and name in outputs[-1]
+    }
+    return variables | trust_variable(outputs, stopped)
+
+
+def trust_variable(outputs: Sequence[dict[str, float]], stopped: str) -> dict[str, Any]:
+    """The label that health comes to, and why."""
+    trust, reasons = verdict(outputs, stopped)
+    return {
+        "trust": (
+            (),
+            np.int8(trust),
+            {
+                "long_name": "how far temperature and kurtosis can be trusted",
+                "flag_values": np.array([t.value for t in Trust], dtype=np.int8),
+                "flag_meanings": " ".join(t.name.lower() for t in Trust),
+                "reasons": "\n".join(reasons),
+            },
+        )
+    }
+
+
+HEALTH_NAMES = {
+    "temperature": ("temperature_error_estimate", "estimated relative error of T"),
+    "a2": ("a2_error_estimate", "estimated error of a2"),
+    "temperature_noise": (
+        "temperature_error_estimate",
+        "two standard errors of T over batches, relative",
+    ),
+    "a2_noise": ("a2_error_estimate", "two standard errors of a2 over batches"),
+    "mass_drift": ("mass_drift", "|ρ/ρ(0) − 1|"),
+    "momentum_drift": ("momentum_drift", "change of the bulk velocity over the thermal speed"),
+    "edge": ("edge", "largest |f| at the grid's border over max f"),
+    "tail": ("spectral_tail", "part of ∫f² in the upper quarter of the wavenumbers"),
+    "step_ratio": ("step_ratio", "step over the largest that is stable for certain"),
+}
+"""Variable and long name of what is measured of a run's health; the least density is `minimum`."""

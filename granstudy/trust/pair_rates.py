@@ -12,19 +12,18 @@ no truncation, no sum over modes or directions. Where moments of Q differ from t
 """
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy.fft
 
-from granstudy.collision.variable_restitution import deflections
-from granstudy.model.kernel import Restitution, sphere_area
+from granstudy.model.restitution import Restitution
 from granstudy.model.scene import Scene
+from granstudy.quadrature.deflection import deflections
 from granstudy.velocity.cartesian import VelocityGrid
+from granstudy.velocity.radial import RadialGrid
 from granstudy.velocity.space import VelocitySpace
-
-if TYPE_CHECKING:  # a run on a Cartesian grid does not depend on the radial one
-    from granstudy.velocity.radial import RadialGrid
+from granstudy.velocity.sphere import sphere_area
 
 ANGLES = 64
 """Nodes of the mean over the angle between two velocities."""

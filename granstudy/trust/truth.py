@@ -1,19 +1,16 @@
 """What a run's T and a2 are held against: an exact law, or another run; and how far they are from it."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from granstudy import theory
-from granstudy.datasets.run_dataset import Status, flag_word, read_dataset
-from granstudy.model.kernel import sphere_area
 from granstudy.model.scene import Scene
-
-if TYPE_CHECKING:  # tables and figures do not depend on the solvers that a run imports
-    from granstudy.study.run import Run
+from granstudy.trust.exact_law import check_maxwell_law
+from granstudy.trust.flags import Status, flag_word
+from granstudy.velocity.sphere import sphere_area
 
 SAME_TIME = 1e-9
 """Largest relative difference of two output times that are the same."""
@@ -48,24 +45,6 @@ class Errors(NamedTuple):
     a2: float
 
 
-def truth_of(run: "Run", files: Mapping[str, str], times: np.ndarray) -> Truth:
-    """The truth that a run is held against.
-
-    Parameters
-    ----------
-    run : Run
-        Of an experiment with a truth.
-    files : dict of str
-        Files of the experiment's runs, its truths among them, by path.
-    times : ndarray
-        Where an exact law is evaluated; a run that serves as truth has its own.
-    """
-    assert run.model.truth is not None
-    if run.model.truth.law is not None:
-        return maxwell_truth(run.scene, times)
-    return truth_of_dataset(read_dataset(files[run.truth.path]))
-
-
 def maxwell_truth(scene: Scene, times: np.ndarray) -> Truth:
     """Exact T and a2 of Maxwell molecules, from the moments that the initial density states.
 
@@ -88,22 +67,6 @@ def maxwell_truth(scene: Scene, times: np.ndarray) -> Truth:
     temperature = theory.maxwell_temperature(times, start.temperature, **gas)
     a2 = theory.maxwell_a2(times, start.pressure, start.a2, **gas)
     return Truth(times, temperature, a2, 0.0, 0.0, "exact law")
-
-
-def check_maxwell_law(scene: Scene) -> None:
-    """Raise ValueError unless T and a2 of the scene are known exactly."""
-    if scene.kernel.exponent != 0.0:
-        raise ValueError(
-            f"truth.law='maxwell': holds at exponent 0, not at {scene.kernel.exponent!r}; give a solver"
-        )
-    if callable(scene.restitution):
-        raise ValueError(
-            f"truth.law='maxwell': holds at constant e, not with {scene.restitution!r}; give a solver"
-        )
-    if scene.moments is None:
-        raise ValueError(
-            f"truth.law='maxwell': initial={scene.initial!r} does not state its moments; give a solver"
-        )
 
 
 def truth_of_dataset(ds: xr.Dataset) -> Truth:

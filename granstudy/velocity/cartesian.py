@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import scipy.fft
 
-from granstudy.velocity.space import VelocityMoments
+from granstudy.velocity.space import VelocityMoments, check_dim, check_point_count, check_radius
 
 BOX_RATIO = (3.0 + np.sqrt(2.0)) / 4.0
 """L / R: the smallest box in which the truncated collisions of a ball of radius R/2 do not overlap."""
@@ -187,27 +187,3 @@ class VelocityGrid:
 def _along(matrix: np.ndarray, f: np.ndarray, axis: int) -> np.ndarray:
     """``matrix`` times ``f`` along one axis."""
     return np.moveaxis(np.tensordot(matrix, f, axes=(1, axis)), 0, axis)
-
-
-def check_dim(dim: int) -> None:
-    """Raise ValueError unless ``dim`` is a velocity dimension."""
-    if dim not in (2, 3):
-        raise ValueError(f"dim={dim!r}: allowed are 2 and 3")
-
-
-def check_point_count(N: int) -> None:
-    """Raise ValueError unless ``N`` can be the number of points in a dimension."""
-    if isinstance(N, bool) or not isinstance(N, (int, np.integer)) or N < 4 or N % 2:
-        raise ValueError(f"N={N!r}: must be an even integer of at least 4")
-
-
-def check_node_count(N: int) -> None:
-    """Raise ValueError unless ``N`` can be the number of radial nodes."""
-    if isinstance(N, bool) or not isinstance(N, (int, np.integer)) or N < 4:
-        raise ValueError(f"N={N!r}: must be an integer of at least 4, the number of radial nodes")
-
-
-def check_radius(R: float) -> None:
-    """Raise ValueError unless ``R`` can be the truncation radius."""
-    if not (np.isfinite(R) and R > 0):
-        raise ValueError(f"R={R!r}: must be a positive number")

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 from scipy.special import j1, jn_zeros
 
-from granstudy.model.kernel import sphere_area
-from granstudy.velocity.cartesian import VelocityGrid, check_dim, check_node_count, check_radius
-from granstudy.velocity.space import VelocityMoments
-from granstudy.velocity.sphere import sphere_mean, sphere_mean_slope
+from granstudy.velocity.cartesian import VelocityGrid
+from granstudy.velocity.space import VelocityMoments, check_dim, check_node_count, check_radius
+from granstudy.velocity.sphere import sphere_area, sphere_mean, sphere_mean_slope
 
 BALL_RATIO = 1.3
 """L / R. The series repeats f beyond L with the other sign. A density that decays like e^{−v²/2T} disturbs

@@ -94,3 +94,34 @@ class VelocitySpace(Protocol):
 
     def dilation(self, f: np.ndarray) -> np.ndarray:
         """∇v·(v f), exact for what the grid represents but for what leaves it at the border."""
+
+
+def check_dim(dim: int) -> None:
+    """Raise ValueError unless ``dim`` is a velocity dimension."""
+    if dim not in (2, 3):
+        raise ValueError(f"dim={dim!r}: allowed are 2 and 3")
+
+
+def check_point_count(N: int) -> None:
+    """Raise ValueError unless ``N`` can be the number of points in a dimension."""
+    if isinstance(N, bool) or not isinstance(N, (int, np.integer)) or N < 4 or N % 2:
+        raise ValueError(f"N={N!r}: must be an even integer of at least 4")
+
+
+def check_node_count(N: int) -> None:
+    """Raise ValueError unless ``N`` can be the number of radial nodes."""
+    if isinstance(N, bool) or not isinstance(N, (int, np.integer)) or N < 4:
+        raise ValueError(f"N={N!r}: must be an integer of at least 4, the number of radial nodes")
+
+
+def check_radius(R: float) -> None:
+    """Raise ValueError unless ``R`` can be the truncation radius."""
+    if not (np.isfinite(R) and R > 0):
+        raise ValueError(f"R={R!r}: must be a positive number")
+
+
+Term = tuple[Callable[[np.ndarray], np.ndarray], np.ndarray]
+"""A function of the Laplacian, and the state that it acts on."""
+
+
+INVARIANTS = ("mass", "momentum", "energy")

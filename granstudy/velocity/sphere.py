@@ -22,3 +22,8 @@ come out to 1e-10 relative with this shift in every sinc, and to 1e-8 of max|Q| 
 def paper_sphere_mean(dim: int, x: np.ndarray) -> np.ndarray:
     """`sphere_mean` as the paper's code evaluates it, x ≥ 0 (docs/method.md §6)."""
     return sphere_mean(dim, x if dim == 2 else x + PAPER_SHIFT)
+
+
+def sphere_area(dim: int) -> float:
+    """Area of the unit circle (2π) or the unit sphere (4π)."""
+    return 2.0 * np.pi if dim == 2 else 4.0 * np.pi

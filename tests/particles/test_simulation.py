@@ -9,7 +9,7 @@ import xarray as xr
 import granstudy as gs
 from granstudy.particles import simulate_particles, time_average
 from granstudy.theory import maxwell_a2, maxwell_anisotropy_rate
-from granstudy.trust.health import Trust
+from granstudy.trust.flags import Trust
 
 SCENE = gs.load_scene("double_well2d", restitution=0.3, diffusion=0.0)
 

@@ -7,10 +7,9 @@ import pytest
 import granstudy as gs
 from granstudy.analysis.tables.plan import study_forecasts
 from granstudy.study.execute import execute
-from granstudy.study.jobs import run_key
+from granstudy.study.run_key import run_fingerprint, run_key
 from granstudy.study.study import load_study
 from granstudy.support import fingerprint as module
-from granstudy.support.fingerprint import run_fingerprint
 
 STUDY = """
 title: cooling

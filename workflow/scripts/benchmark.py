@@ -1,4 +1,4 @@
-from granstudy.datasets.run_dataset import write_dataset
+from granstudy.datasets.netcdf import write_dataset
 from granstudy.study.benchmark.benchmark import benchmark
 from granstudy.study.study import load_study
 

@@ -1,5 +1,5 @@
 from granstudy.analysis.figures.figure import draw, save_figure
-from granstudy.datasets.run_dataset import read_dataset
+from granstudy.datasets.netcdf import read_dataset
 from granstudy.study.study import load_study
 
 study = load_study(snakemake.params.study)

@@ -1,7 +1,7 @@
 from granstudy.analysis.figures.figure import save_figure
 from granstudy.analysis.figures.map import draw_map
 from granstudy.analysis.tables.map import label_map, write_map
-from granstudy.datasets.run_dataset import read_dataset
+from granstudy.datasets.netcdf import read_dataset
 
 tables = dict(zip(snakemake.params.cases, map(read_dataset, snakemake.input), strict=True))
 table = label_map(snakemake.params.title, tables)

@@ -1,5 +1,5 @@
 from granstudy.analysis.tables.table import experiment_table, write_table
-from granstudy.datasets.run_dataset import read_dataset
+from granstudy.datasets.netcdf import read_dataset
 from granstudy.study.study import load_study
 
 study = load_study(snakemake.params.study)

@@ -9,16 +9,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from granstudy.analysis.columns import SYMBOLS
 from granstudy.analysis.figures.style import (
     MARKERS,
     METHOD_COLOURS,
     METHODS_FIRST,
     PANEL_HEIGHT,
-    SYMBOLS,
     WIDTH,
 )
-from granstudy.datasets.run_dataset import Status
-from granstudy.study.benchmark.front import families, fastest_within, on_front
+from granstudy.analysis.labels import families
+from granstudy.study.benchmark.front import fastest_within, on_front
+from granstudy.trust.flags import Status
 
 COLUMNS = 2
 FRONT = "front: none is faster at that error"

@@ -1,21 +1,22 @@
 """A hard case as a figure: T and a2 over time and the last density, of every run and of the truth."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from granstudy.analysis.figures.style import COLOURS, PANEL_HEIGHT, SYMBOLS, WIDTH
-from granstudy.analysis.tables.truth import run_text, telling_apart
-from granstudy.datasets.run_dataset import flag_word, read_dataset
-from granstudy.density_profile import thermal_profile
-from granstudy.trust.truth import Truth, truth_of
-
-if TYPE_CHECKING:  # a figure does not depend on the solvers that the study module imports
-    from granstudy.study.run import Run
+from granstudy.analysis.columns import SYMBOLS
+from granstudy.analysis.figures.style import COLOURS, PANEL_HEIGHT, WIDTH
+from granstudy.analysis.labels import run_text, telling_apart
+from granstudy.analysis.tables.truth import truth_of
+from granstudy.datasets.netcdf import read_dataset
+from granstudy.evolution.frames.physical import physical_density
+from granstudy.study.run import Run
+from granstudy.trust.flags import flag_word
+from granstudy.trust.truth import Truth
 
 LEAST_DENSITY = 1e-7
 """Densities are drawn down to this part of the largest."""
@@ -27,7 +28,7 @@ TIMES_OF_LAW = 200
 
 
 def draw_gallery(
-    table: xr.Dataset, rows: "Sequence[tuple[Run, str]]", files: Mapping[str, str]
+    table: xr.Dataset, rows: Sequence[tuple[Run, str]], files: Mapping[str, str]
 ) -> Figure:
     """Draw the runs of an experiment beside their truth, which is black.
 
@@ -118,3 +119,37 @@ def _scales(panels: Sequence[Axes], truth: Truth) -> None:
         ylim=(LEAST_DENSITY, 1.0),
         xlim=(-6.0, 6.0),
     )
+
+
+def thermal_profile(ds: xr.Dataset) -> tuple[np.ndarray, np.ndarray] | None:
+    """Increasing x = (v_x − u_x)/√T, and T^{d/2} f/ρ there; None where no density is kept of the last time.
+
+    Between the nodes of the other axes a Cartesian density is its trigonometric interpolant; a radial one is
+    shown at x and −x.
+    """
+    if "snapshot" not in ds.dims or ds["snapshot"][-1] != ds["time"][-1]:
+        return None
+    last = ds.isel(time=-1)
+    u, d = last["velocity"].values, ds.sizes["component"]
+    thermal = np.sqrt(float(last["temperature"]))
+    f = physical_density(ds).isel(snapshot=-1)
+    values = f.values * thermal**d / float(last["density"])
+    if f.ndim == 1:
+        r = f["r"].values / thermal
+        return np.concatenate([-r[::-1], r]), np.concatenate([values[::-1], values])
+    axes = [f[f"v{axis}"].values for axis in ds["component"].values]
+    for axis in reversed(range(1, d)):
+        values = values @ interpolation(axes[axis], u[axis])
+    return (axes[0] - u[0]) / thermal, values
+
+
+def interpolation(nodes: np.ndarray, x: float) -> np.ndarray:
+    """Weights of equidistant nodes for the value at x of their periodic trigonometric interpolant.
+
+    w_j = (1/N) Σ_{|k| ≤ N/2} cos(2πk(x − v_j)/P), P the period; the two unpaired modes count half each.
+    """
+    N = len(nodes)
+    phase = 2.0 * np.pi * (x - nodes) / (N * (nodes[1] - nodes[0]))
+    k = np.arange(1, N // 2)
+    paired = 2.0 * np.cos(np.multiply.outer(phase, k)).sum(axis=1)
+    return (1.0 + paired + np.cos(N // 2 * phase)) / N

@@ -11,7 +11,7 @@ from matplotlib.patches import Patch, Rectangle
 
 from granstudy.analysis.figures.style import STYLE
 from granstudy.analysis.tables.map import MEASURES, rule_line
-from granstudy.datasets.run_dataset import flag_word
+from granstudy.trust.flags import flag_word
 
 LABEL_COLOURS = {"trusted": "#A8DDB5", "marginal": "#FDE7A0", "untrusted": "#F4A6A0"}
 """Light enough for black numbers; the numbers say the same to readers who do not tell them apart."""

@@ -9,16 +9,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from granstudy.analysis.figures.style import (
-    COLOURS,
-    MARKERS,
-    METHOD_COLOURS,
-    PANEL_HEIGHT,
-    SYMBOLS,
-    WIDTH,
-)
+from granstudy.analysis.columns import SYMBOLS
+from granstudy.analysis.figures.style import COLOURS, MARKERS, METHOD_COLOURS, PANEL_HEIGHT, WIDTH
 from granstudy.analysis.tables.states import EXACT_MOMENTS, LINEAR
-from granstudy.trust.health import Trust
+from granstudy.trust.flags import Trust
 
 THEORIES = {
     "a2_linear": ("linear theory (van Noije & Ernst)", "--"),

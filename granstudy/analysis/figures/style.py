@@ -56,24 +56,6 @@ PAPER_LOOK: dict[str, Any] = {
     "zorder": 4,
 }
 
-SYMBOLS = {
-    "e": "$e$",
-    "exponent": r"$\lambda$",
-    "epsilon": r"$\varepsilon$",
-    "N": "$N$",
-    "R": "$R$",
-    "N_rho": r"$N_\rho$",
-    "M_sph": r"$M_\mathrm{sph}$",
-    "M_cir": r"$M_\mathrm{cir}$",
-    "dt": r"$\Delta t$",
-    "paper_temperature_error": r"$|T - T_\mathrm{ref}|$",
-    "temperature_error": r"$|T - T_\mathrm{exact}|$",
-    "collision_error": r"$\|Q - Q_\mathrm{direct}\|_\infty$",
-    "relative_error": r"$\|Q - Q_\mathrm{direct}\|_\infty / \|Q_\mathrm{direct}\|_\infty$",
-    "error": r"$\|Q - Q_\mathrm{ref}\|_\infty / \|Q_\mathrm{ref}\|_\infty$",
-    "seconds": "time per evaluation of $Q$ (s)",
-}
-"""Axis labels: the paper's symbols."""
 
 LABELS = {
     "design": "spherical designs",

@@ -1,12 +1,13 @@
 """Which number printed in the paper belongs to which run."""
 
 from dataclasses import dataclass
+from importlib.resources import as_file, files
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
-from granstudy.reference import paper_table
 from granstudy.support.errors import unknown_name
 
 HAFF_CONSTANTS = {0.2: 0.5159, 0.8: 0.19058}
@@ -82,3 +83,40 @@ def match_printed(name: str, runs: xr.Dataset) -> np.ndarray:
             same &= runs[key].values == value
         values[same] = printed.value
     return values
+
+
+def _with_paper(table: xr.Dataset, paper: str, quantity: str) -> xr.Dataset:
+    """Add the printed number of each run and ours over it."""
+    if quantity not in table:
+        raise ValueError(f"paper={paper!r}: prints {quantity}, which the table does not have")
+    printed = match_printed(paper, table)
+    has_paper = np.isfinite(printed)
+    if not has_paper.any():
+        raise ValueError(f"paper={paper!r}: prints no number for any of the runs")
+    units = table[quantity].attrs.get("units", "1")
+    where = "NaN where has_paper is false"
+    for name, values, attributes in (
+        ("paper", printed, {"long_name": f"{quantity} printed in the paper; {where}"}),
+        ("ratio", table[quantity].values / printed, {"long_name": f"ours / paper; {where}"}),
+    ):
+        table[name] = ("run", values, attributes | {"units": units if name == "paper" else "1"})
+    table["has_paper"] = ("run", has_paper, {"long_name": "the paper prints a number for the run"})
+    table.attrs["paper_quantity"] = quantity
+    return table
+
+
+TABLES = (1, 2, 3, 4, 5, 6, 7, 8)
+
+
+def paper_table(number: int) -> pd.DataFrame:
+    """Table of the paper by its number, a row for each row printed (docs/method.md §6).
+
+    Raises
+    ------
+    ValueError
+        If the paper has no such table.
+    """
+    if isinstance(number, bool) or number not in TABLES:
+        raise unknown_name("table", number, [str(table) for table in TABLES])
+    with as_file(files(__package__) / f"table{number}.csv") as path:
+        return pd.read_csv(path)

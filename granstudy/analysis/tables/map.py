@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from granstudy.analysis.labels import run_text, telling_apart
 from granstudy.analysis.tables.markdown import rows_text
 from granstudy.analysis.tables.table import write_table
-from granstudy.analysis.tables.truth import run_text, telling_apart
-from granstudy.datasets.run_dataset import CONVENTIONS, Status, flag_word
-from granstudy.trust.health import Trust
+from granstudy.datasets.run_dataset import CONVENTIONS
+from granstudy.trust.flags import Status, Trust, flag_word
 
 TRUSTED_TEMPERATURE = 1e-2
 TRUSTED_A2 = 1e-2

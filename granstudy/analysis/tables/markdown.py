@@ -6,53 +6,10 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 import xarray as xr
 
-from granstudy.datasets.run_dataset import FLAGS, Status, flag_word
-from granstudy.study.benchmark.front import families, fastest_within
-
-HEADINGS = {
-    "N_rho": "N_ρ",
-    "epsilon": "ε",
-    "exponent": "λ",
-    "dt": "Δt",
-    "sphere_rule": "rule",
-    "N_theta": "N_θ",
-    "N_phi": "N_φ",
-    "ratio": "ours / paper",
-    "paper": "paper",
-    "order": "fitted order",
-    "C0": "C₀",
-    "C0_error": "± (fit)",
-    "C0_theory": "C₀ (Gaussian)",
-    "density_drift": "density drift",
-    "fft_seconds": "FFT seconds",
-    "overhead": "seconds / FFT seconds",
-    "speedup": "baseline / this",
-    "rtol": "rtol",
-    "time_exponent": "time: exponent in N",
-    "memory_exponent": "memory: exponent in N",
-    "law_exponent": "N^(d+1) log N: exponent",
-    "largest_temperature_error": "error of T",
-    "temperature_error_estimate": "its estimate",
-    "largest_a2_error": "error of a2",
-    "a2_error_estimate": "its estimate",
-    "peak_memory_mb": "peak memory (MB)",
-    "cooling_coefficient": "K",
-    "a2_linear": "a2 (linear theory)",
-    "a2_divided": "a2 (linear, divided by 1 + a2)",
-    "a2_exact": "a2 (exact)",
-    "a2_error": "error of a2",
-    "tail_exponent": "p of the tail",
-    "slope": "d ln T/d ln t",
-    "slope_error": "from −2/λ",
-}
-"""What heads a column; the name itself where none is given."""
-
-QUANTITIES = {
-    "paper_temperature_error": "|T − T_ref| at the final time, measured as the paper does: "
-    "T = 2E/d, not divided by density; T_ref by the exact law from the discrete initial T",
-    "temperature_error": "|T − T_exact| at the final time, T divided by density",
-}
-"""What a quantity is, where its long name is too short for a reader of the table alone."""
+from granstudy.analysis.columns import HEADINGS, QUANTITIES, _digits
+from granstudy.analysis.labels import families
+from granstudy.study.benchmark.front import fastest_within
+from granstudy.trust.flags import FLAGS, Status, flag_word
 
 
 def markdown_table(table: xr.Dataset) -> str:
@@ -168,16 +125,6 @@ def _number(table: xr.Dataset, name: str, i: int) -> str:
         ended = Status(int(table["status"].values[i])).name.lower()
         return ended if name == table.attrs["quantity"] else ""
     return format(float(value), table[name].attrs.get("format") or _digits(table, name, value))
-
-
-def _digits(table: xr.Dataset, name: str, value: float) -> str:
-    """The format of a column that has none of its own."""
-    measure = table.attrs.get("paper_quantity") if name == "paper" else name
-    if str(measure).endswith(("error", "estimate", "drift")):
-        return ".3e"
-    if name == "ratio":
-        return ".3f" if 0.01 <= value < 1000 else ".1e"
-    return ".5g" if measure in ("temperature", "C0", "C0_theory") else ".3g"
 
 
 def _legend(table: xr.Dataset) -> list[str]:

@@ -1,16 +1,13 @@
 """Tables of states: theory, and what other experiments came to, beside what was solved for."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
 from granstudy import theory
 from granstudy.datasets.open_runs import final_values
-
-if TYPE_CHECKING:  # a table does not depend on the solvers that the study module imports
-    from granstudy.study.run import Run
+from granstudy.study.run import Run
 
 COMPARED = {"a2": ".6f", "temperature": ".7f"}
 """What is held against other experiments, and the digits worth reading; the temperature if heated."""
@@ -35,7 +32,7 @@ LONG_NAMES = {
 }
 
 
-def state_table(rows: Sequence[tuple["Run", str]]) -> xr.Dataset:
+def state_table(rows: Sequence[tuple[Run, str]]) -> xr.Dataset:
     """What states are, with theory beside: linear in a2, for Maxwell molecules exact.
 
     Parameters

@@ -2,39 +2,34 @@
 
 import csv
 import io
-import json
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
-import dask
 import numpy as np
 import xarray as xr
 
-from granstudy import theory
-from granstudy.analysis.paper.printed import match_printed, printed_quantity
-from granstudy.analysis.tables.fits import fit_haff, fit_order, growth_exponent, local_slope
+from granstudy.analysis.paper.printed import _with_paper, printed_quantity
+from granstudy.analysis.tables.fits import (
+    _with_fit,
+)
 from granstudy.analysis.tables.markdown import markdown_table
+from granstudy.analysis.tables.runs import (
+    Rows,
+    _benchmark,
+    _collision,
+    _evolution,
+    _with_seconds,
+    _with_swept,
+)
 from granstudy.analysis.tables.states import columns, state_table, with_beside
 from granstudy.analysis.tables.truth import COLUMNS, truth_table
-from granstudy.datasets.open_runs import final_values, open_runs
-from granstudy.datasets.run_dataset import (
-    CONVENTIONS,
-    FLAGS,
-    Status,
-    flag_word,
-    read_dataset,
-    write_dataset,
-)
-from granstudy.particles.averages import time_average
-from granstudy.study.benchmark.front import families
+from granstudy.datasets.netcdf import write_dataset
+from granstudy.datasets.run_dataset import CONVENTIONS
+from granstudy.study.run import Run
+from granstudy.study.schema.experiment import Experiment
 from granstudy.support.errors import unknown_name
 from granstudy.support.files import write_whole
-
-if TYPE_CHECKING:  # a table does not depend on the solvers that the study module imports
-    from granstudy.study.run import Run
-    from granstudy.study.schema.file import AverageModel, Experiment, FitModel, TableModel
+from granstudy.trust.flags import FLAGS, flag_word
 
 DEFAULT_QUANTITY = {
     "evolution": "temperature",
@@ -42,15 +37,11 @@ DEFAULT_QUANTITY = {
     "benchmark": "seconds",
     "state": "a2",
 }
-LEAST_MEMORY_MB = 8.0
-"""Peak memories below this are the allocator's, and not fitted."""
-
-Rows = list[tuple["Run", str]]
 
 
 def experiment_table(
-    experiment: "Experiment",
-    runs: dict[str, "Run"],
+    experiment: Experiment,
+    runs: dict[str, Run],
     files: list[str],
     beside: Sequence[xr.Dataset] = (),
 ) -> xr.Dataset:
@@ -151,215 +142,7 @@ def _cell(name: str, value: xr.DataArray) -> str:
     return str(value.item())
 
 
-def _evolution(rows: Rows, asked: "TableModel | None") -> xr.Dataset:
-    """Moments and errors at the final time, or averages that are asked for."""
-    # Before all files are open: netCDF4 has crashed where a file was opened twice.
-    averages = _averages(rows, asked.average) if asked and asked.average else {}
-    with final_values([file for _, file in rows]) as final:
-        names = [name for name, v in final.data_vars.items() if v.dims == ("run",)]
-        # One thread: netCDF4 has crashed under several.
-        table = final[names].drop_vars(["reason", "warnings"]).load(scheduler="synchronous")
-    ended = table["status"] == Status.OK
-    table = table.map(lambda v: v.where(ended) if v.dtype.kind == "f" else v, keep_attrs=True)
-    return _with_swept(table.assign(averages), rows)
-
-
-def _collision(rows: Rows, files: dict[str, str]) -> xr.Dataset:
-    """Largest difference of Q from each run's reference, on all grid points."""
-    with ExitStack() as stack:
-        Q: dict[str, xr.DataArray] = {}
-        for file in files.values():
-            ds = xr.open_dataset(file, engine="netcdf4", chunks={})
-            Q[file] = stack.enter_context(ds)["Q"]
-        references = [Q[files[run.reference.path]] for run, _ in rows]
-        errors = [
-            abs(Q[file] - reference).max()
-            for (_, file), reference in zip(rows, references, strict=True)
-        ]
-        largest = [abs(reference).max() for reference in references]
-        # One thread: netCDF4 has crashed under several.
-        errors, largest = dask.compute(errors, largest, scheduler="synchronous")
-    with final_values([file for _, file in rows]) as final:
-        table = final[["status"]].load()
-    error = np.array([value.item() for value in errors])
-    scale = np.array([value.item() for value in largest])
-    for name, values, long_name in (
-        ("collision_error", error, "max|Q − Q_reference| on the grid"),
-        ("relative_error", error / scale, "max|Q − Q_reference| / max|Q_reference|"),
-    ):
-        table[name] = ("run", values, {"long_name": long_name, "units": "1"})
-    return _with_swept(table, rows)
-
-
-def _benchmark(files: list[str]) -> xr.Dataset:
-    (file,) = files
-    table = read_dataset(file)
-    table.attrs["swept"] = " ".join(
-        str(name) for name, c in table.coords.items() if c.dims == ("run",)
-    )
-    return table
-
-
-def _with_swept(table: xr.Dataset, rows: Rows) -> xr.Dataset:
-    """Keep swept parameters along ``run``; one value of each other one."""
-    swept = [key for key, _ in rows[0][0].values]
-    if "M_sph" in swept and "N_theta" in table.coords and (table["N_theta"] > 0).any():
-        swept[swept.index("M_sph") + 1 : swept.index("M_sph") + 1] = ["N_theta", "N_phi"]
-    along = [str(name) for name, c in table.coords.items() if c.dims == ("run",)]
-    others = {name: table[name].values for name in along if name not in swept}
-    table = table.drop_vars(list(others)).assign_coords(
-        {name: values[0] for name, values in others.items() if np.unique(values).size == 1}
-    )
-    table.attrs["swept"] = " ".join(swept)
-    return table
-
-
-def _with_fit(table: xr.Dataset, fit: "FitModel", rows: Rows) -> xr.Dataset:
-    if fit.law == "order":
-        return _with_order(table, table.attrs["quantity"], fit.x)
-    if fit.law == "growth":
-        return _with_growth(table)
-    return {"slope": _with_slope, "haff": _with_haff}[fit.law](table, rows)
-
-
-def _with_order(table: xr.Dataset, quantity: str, x: str | None) -> xr.Dataset:
-    """Add `order`, the fitted slope of each group of runs that differ in ``x`` alone."""
-    swept = table.attrs["swept"].split()
-    if x not in swept:
-        raise ValueError(f"fit.x={x!r}: an order is fitted against a swept parameter: {swept}")
-    groups: dict[tuple[Any, ...], list[int]] = {}
-    for i in range(table.sizes["run"]):
-        key = tuple(table[name].values[i] for name in swept if name != x)
-        groups.setdefault(key, []).append(i)
-    order = np.full(table.sizes["run"], np.nan)
-    for members in groups.values():
-        error = table[quantity].values[members]
-        order[members], _ = fit_order(table[x].values[members], error)
-    long_name = f"p of {quantity} ~ {x}^p, fitted to the runs that differ in {x} alone"
-    table["order"] = ("run", order, {"long_name": long_name, "units": "1"})
-    table.attrs["refined"] = x
-    return table
-
-
-def _with_growth(table: xr.Dataset) -> xr.Dataset:
-    """Add the exponents of time and memory in N, of each method, and those of N^{d+1} log N."""
-    exponents = np.full((3, table.sizes["run"]), np.nan)
-    groups: dict[tuple[Any, ...], list[int]] = {}
-    for i, key in enumerate(zip(families(table), table["threads"].values, strict=True)):
-        groups.setdefault(key, []).append(i)
-    for members in groups.values():
-        N = table["N"].values[members].astype(float)
-        exponents[0, members] = growth_exponent(N, table["seconds"].values[members])
-        if "peak_memory_mb" in table:
-            memory = table["peak_memory_mb"].values[members]
-            exponents[1, members] = growth_exponent(N, memory, LEAST_MEMORY_MB)
-        exponents[2, members] = growth_exponent(N, N ** (table.attrs["dim"] + 1) * np.log(N))
-    long_names = {
-        "time_exponent": "p of seconds ~ N^p, fitted to the runs of a method",
-        "memory_exponent": f"p of peak memory ~ N^p, fitted where it is above {LEAST_MEMORY_MB} MB",
-        "law_exponent": "p of N^{d+1} log N ~ N^p, fitted to the same N",
-    }
-    for values, (name, long_name) in zip(exponents, long_names.items(), strict=True):
-        table[name] = ("run", values, {"long_name": long_name, "units": "1"})
-    return table
-
-
-def _with_haff(table: xr.Dataset, rows: Rows) -> xr.Dataset:
-    """Add C0 fitted to each run, its standard error, and C0 of theory for a Gaussian shape."""
-    fitted = []
-    for run, file in rows:
-        with open_runs([file]) as ds:
-            time, T = ds["time"].values, ds["temperature"].values[0]
-        e, kernel = run.scene.restitution, run.scene.kernel
-        C0 = (
-            np.nan
-            if callable(e)
-            else theory.haff_constant(kernel, float(e), run.scene.dim, T0=float(T[0]))
-        )
-        fitted.append((*fit_haff(time, T), C0))
-    long_names = {
-        "C0": "Haff constant, least squares of T0 (1 + C0 t)^-2",
-        "C0_error": "standard error of the fitted C0",
-        "C0_theory": "Haff constant of a Gaussian shape at the initial temperature",
-    }
-    for column, (name, long_name) in enumerate(long_names.items()):
-        values = np.array([numbers[column] for numbers in fitted])
-        table[name] = ("run", values, {"long_name": long_name, "units": "1"})
-    return table
-
-
-def _with_seconds(table: xr.Dataset, rows: Rows) -> xr.Dataset:
-    """Add how long every run took."""
-    attributes = {"long_name": "wall time of the run, set-up included", "units": "s"}
-    seconds = [_seconds(file) for _, file in rows]
-    return table.assign(seconds=("run", seconds, attributes | {"format": ".3g"}))
-
-
-def _seconds(file: str) -> float:
-    return float(json.loads(Path(f"{file}.json").read_text())["duration_seconds"])
-
-
-def _with_slope(table: xr.Dataset, rows: Rows) -> xr.Dataset:
-    """Add d ln T/d ln t of the last decade, its distance from Haff's law, and how long the run took."""
-    found = []
-    for run, file in rows:
-        with open_runs([file]) as ds:
-            time, T = ds["time"].values[1:], ds["temperature"].values[0, 1:]
-        at, slope = local_slope(time, T)
-        late = slope[at > time[-1] / 10.0]
-        law = -2.0 / run.scene.kernel.exponent
-        found.append((late.mean(), np.abs(late - law).max(), _seconds(file)))
-    long_names = {
-        "slope": ("d ln T/d ln t, mean over the last decade of t", ".6f"),
-        "slope_error": ("largest |d ln T/d ln t + 2/λ| in the last decade of t", ".1e"),
-        "seconds": ("wall time of the run, set-up included", ".3g"),
-    }
-    for column, (name, (long_name, digits)) in enumerate(long_names.items()):
-        values = np.array([numbers[column] for numbers in found], dtype=float)
-        table[name] = ("run", values, {"long_name": long_name, "units": "1", "format": digits})
-    return table
-
-
-def _averages(rows: Rows, asked: "AverageModel") -> dict[str, Any]:
-    """Averages over time and their standard errors by batches, which replace the last values."""
-    variables = {}
-    where = f"averaged from t = {asked.start:g} on"
-    for run, _ in rows:
-        if run.solver.method != "dsmc":
-            raise ValueError(f"table.average: only method 'dsmc' has it, not {run.path}")
-    datasets = [read_dataset(file) for _, file in rows]
-    for name in asked.of:
-        means, errors = np.array([time_average(ds, name, asked.start) for ds in datasets]).T
-        for column, values, long_name, digits in (
-            (name, means, f"{name}, {where}", ".6f"),
-            (f"{name}_standard_error", errors, f"standard error of {name}, {where}", ".1e"),
-        ):
-            attributes = {"long_name": long_name, "units": "1", "format": digits}
-            variables[column] = ("run", values, attributes)
-    return variables
-
-
-def _with_paper(table: xr.Dataset, paper: str, quantity: str) -> xr.Dataset:
-    """Add the printed number of each run and ours over it."""
-    if quantity not in table:
-        raise ValueError(f"paper={paper!r}: prints {quantity}, which the table does not have")
-    printed = match_printed(paper, table)
-    has_paper = np.isfinite(printed)
-    if not has_paper.any():
-        raise ValueError(f"paper={paper!r}: prints no number for any of the runs")
-    units = table[quantity].attrs.get("units", "1")
-    where = "NaN where has_paper is false"
-    for name, values, attributes in (
-        ("paper", printed, {"long_name": f"{quantity} printed in the paper; {where}"}),
-        ("ratio", table[quantity].values / printed, {"long_name": f"ours / paper; {where}"}),
-    ):
-        table[name] = ("run", values, attributes | {"units": units if name == "paper" else "1"})
-    table["has_paper"] = ("run", has_paper, {"long_name": "the paper prints a number for the run"})
-    table.attrs["paper_quantity"] = quantity
-    return table
-
-
-def _finish(table: xr.Dataset, experiment: "Experiment") -> xr.Dataset:
+def _finish(table: xr.Dataset, experiment: Experiment) -> xr.Dataset:
     """Put the columns into reading order, and say what the table is."""
     quantity = table.attrs["quantity"]
     first = [

@@ -1,17 +1,14 @@
 """Runs beside their truth: errors of T and a2, what the runs themselves said of them, and their labels."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
+from granstudy.datasets.netcdf import read_dataset
 from granstudy.datasets.open_runs import final_values
-from granstudy.datasets.run_dataset import read_dataset
-from granstudy.trust.truth import errors, truth_of
-
-if TYPE_CHECKING:  # a table does not depend on the solvers that the study module imports
-    from granstudy.study.run import Run
+from granstudy.study.run import Run
+from granstudy.trust.truth import Truth, errors, maxwell_truth, truth_of_dataset
 
 COLUMNS = (
     "largest_temperature_error",
@@ -34,39 +31,7 @@ LONG_NAMES = {
 }
 
 
-SAYS_LEAST = ("time_rtol", "sphere_rule")
-"""Parameters that a label leaves out where runs can be told apart without."""
-
-
-def telling_apart(table: xr.Dataset) -> list[str]:
-    """The swept parameters that tell a table's runs apart."""
-    swept = table.attrs["swept"].split()
-    names = [name for name in swept if np.unique(table[name].values).size > 1]
-    for name in SAYS_LEAST:
-        fewer = [other for other in names if other != name]
-        rows = {tuple(table[other].values[i] for other in fewer) for i in range(table.sizes["run"])}
-        if len(rows) == table.sizes["run"]:
-            names = fewer
-    return names
-
-
-def parameter_text(name: str, value: object, symbol: str = "") -> str:
-    """A parameter as a label says it: ``N = 32``, ``rescaled``, ``conserve mass``."""
-    if isinstance(value, str):
-        return f"{name} {value}" if name == "conserve" else value
-    return f"{symbol or name} = {value:g}"
-
-
-def run_text(parameters: Mapping[str, object], symbols: Mapping[str, str] = {}) -> str:
-    """Parameters of a run as a label says them; "" stands for one that the run does not have."""
-    return ", ".join(
-        parameter_text(name, value, symbols.get(name, ""))
-        for name, value in parameters.items()
-        if value != ""
-    )
-
-
-def truth_table(rows: "list[tuple[Run, str]]", files: dict[str, str]) -> xr.Dataset:
+def truth_table(rows: list[tuple[Run, str]], files: dict[str, str]) -> xr.Dataset:
     """A row for each run, all parameters along ``run``; the columns are `COLUMNS` and `status`.
 
     Parameters
@@ -99,3 +64,21 @@ def truth_table(rows: "list[tuple[Run, str]]", files: dict[str, str]) -> xr.Data
         table[name].attrs = {"long_name": long_name, "units": "1"}
     table.attrs["truth"] = "; ".join(sources)
     return table
+
+
+def truth_of(run: Run, files: Mapping[str, str], times: np.ndarray) -> Truth:
+    """The truth that a run is held against.
+
+    Parameters
+    ----------
+    run : Run
+        Of an experiment with a truth.
+    files : dict of str
+        Files of the experiment's runs, its truths among them, by path.
+    times : ndarray
+        Where an exact law is evaluated; a run that serves as truth has its own.
+    """
+    assert run.model.truth is not None
+    if run.model.truth.law is not None:
+        return maxwell_truth(run.scene, times)
+    return truth_of_dataset(read_dataset(files[run.truth.path]))

@@ -17,7 +17,7 @@ from granstudy.collision.carleman.weights import Product, loss_profile, mirrored
 from granstudy.collision.fourier.fftw import BACKWARD, alternate, execute
 from granstudy.collision.fourier.threads import SHARES, Workers
 from granstudy.collision.fourier.transforms import RealTransforms
-from granstudy.collision.operator import check_state
+from granstudy.collision.protocol import check_state
 from granstudy.collision.rules import directions
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver

@@ -14,17 +14,12 @@ import math
 from dataclasses import dataclass
 from functools import cache
 
-import numpy as np
-
 from granstudy.collision.carleman.scenes import product_count
 from granstudy.collision.fourier.spectra import serial_transforms
 from granstudy.collision.rules import directions, reduce_directions
-from granstudy.evolution.schemes import SCHEMES
-from granstudy.evolution.times import TimeSettings
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.quadrature import circle_rule, sphere_rule
-from granstudy.theory import haff_constant
 from granstudy.velocity.symmetry import Symmetry
 
 SECONDS_PER_POINT = {"literal": 8.5e-10, "fast": 1.5e-10, "carleman": 1.8e-10}
@@ -68,14 +63,6 @@ SECONDS_PER_CALL = {
 }  # fmt: skip
 """Of one evaluation whatever its size: checks, and handing the shares to threads."""
 
-STEPS_PER_COLLISION = 5.0
-"""Steps of an adaptive run in a unit of collision time: 2 near e = 1, 10 where velocities shrink fast."""
-
-SECONDS_PER_STEP = 2.5e-4
-"""Of a step's moments and checks whatever the grid."""
-
-SECONDS_PER_STEP_POINT = 3.0e-8
-"""Of a step's sums, moments and checks, a grid point."""
 
 NODES_PER_DIGIT2 = {2: 2.5, 3: 10.0}
 """Nodes ±g that a tolerance comes to, over the square of its digits log₁₀(1/rtol): a fit to densities that
@@ -149,28 +136,6 @@ def estimate(scene: Scene, solver: Solver, evaluations: int) -> Cost:
     each = evaluation_seconds(scene, solver, transforms)
     setup = setup_seconds(scene, solver, each)
     return Cost(setup, each, evaluations, memory_mb(scene, solver, transforms))
-
-
-def expected_steps(scene: Scene, settings: TimeSettings) -> int:
-    """Steps that a run makes: exactly where dt sets them, else about as many, within a factor 3."""
-    if settings.time_rtol is None:
-        return settings.steps
-    law = scene.restitution
-    e = float(law(np.ones(1))[0]) if callable(law) else float(law)
-    collisions = settings.t_final
-    if scene.kernel.exponent > 0.0 and scene.diffusion == 0.0 and e < 1.0:
-        # τ of a gas that cools by Haff's law from T = 1
-        C0 = haff_constant(scene.kernel, e, scene.dim)
-        collisions = np.log1p(C0 * settings.t_final) / C0
-    return len(settings.outputs) + math.ceil(STEPS_PER_COLLISION * collisions)
-
-
-def expected_evaluations(scene: Scene, settings: TimeSettings) -> int:
-    """Evaluations of Q in those steps."""
-    each = SCHEMES[settings.scheme].evaluations
-    if settings.time_rtol is None:
-        return each * settings.steps
-    return each * expected_steps(scene, settings)
 
 
 def transform_count(scene: Scene, solver: Solver) -> int:
@@ -259,12 +224,6 @@ def setup_seconds(scene: Scene, solver: Solver, each: float) -> float:
         lengths = SHELLS[scene.dim] * solver.N**2
         return SETUP_SECONDS + solver.N_rho * lengths * SECONDS_PER_SERIES
     return SETUP_SECONDS
-
-
-def step_seconds(scene: Scene, solver: Solver) -> float:
-    """Seconds that a step takes beside its evaluations."""
-    points = solver.N if solver.method == "radial" else solver.N**scene.dim
-    return SECONDS_PER_STEP + SECONDS_PER_STEP_POINT * points
 
 
 def on_threads(seconds: float, method: str, threads: int) -> float:

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import scipy.fft
 
-from granstudy.collision.fast.adaptive.search import SIZES, aliasing
-from granstudy.collision.operator import ToleranceError
+from granstudy.collision.fast.adaptive.error import SIZES, aliasing
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
+from granstudy.support.errors import ToleranceError
 from granstudy.velocity.cartesian import VelocityGrid
 
 PROBE_N = {2: 128, 3: 64}

@@ -20,8 +20,7 @@ from granstudy.collision.fast.nodes import Nodes
 from granstudy.collision.fourier import fftw
 from granstudy.collision.fourier.threads import SHARES, Workers
 from granstudy.collision.fourier.transforms import REAL, RealTransforms, aligned_zeros
-from granstudy.collision.variable_restitution import pair_series
-from granstudy.collision.weights import alpha, sphere_mean
+from granstudy.collision.weights import alpha, pair_series, sphere_mean
 from granstudy.model.scene import Scene
 from granstudy.velocity.cartesian import VelocityGrid
 

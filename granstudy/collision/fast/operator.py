@@ -20,7 +20,7 @@ from granstudy.collision.fast.gain import Gain, GainSum
 from granstudy.collision.fast.nodes import Nodes, place_nodes
 from granstudy.collision.fourier.spectra import resize, serial_transforms
 from granstudy.collision.fourier.transforms import RealTransforms
-from granstudy.collision.operator import check_state
+from granstudy.collision.protocol import check_state
 from granstudy.collision.rules import directions, radial_nodes, reduce_directions
 from granstudy.collision.weights import loss_weight
 from granstudy.model.scene import Scene

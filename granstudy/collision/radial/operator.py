@@ -6,7 +6,7 @@ from importlib.metadata import version
 import numba
 import numpy as np
 
-from granstudy.collision.operator import check_state
+from granstudy.collision.protocol import check_state
 from granstudy.collision.radial.tensor import unit_tensor
 from granstudy.model.isotropy import check_isotropic
 from granstudy.model.scene import Scene

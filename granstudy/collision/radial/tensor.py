@@ -8,10 +8,9 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from granstudy.collision.weights import alpha
-from granstudy.model.kernel import sphere_area
 from granstudy.quadrature import radial_rule
 from granstudy.velocity.radial import RadialGrid
-from granstudy.velocity.sphere import sphere_mean
+from granstudy.velocity.sphere import sphere_area, sphere_mean
 
 SPARE_NODES = 24
 """Quadrature nodes beyond those that resolve an oscillation; from there on rules converge at once."""

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from granstudy.evolution.unknowns import Representation, Term, relative_change
+from granstudy.evolution.unknowns import Representation, relative_change
+from granstudy.velocity.space import Term
 
 
 class FixedFrame:

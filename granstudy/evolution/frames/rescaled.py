@@ -7,10 +7,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from granstudy.evolution.frames.physical import physical_moments
-from granstudy.evolution.unknowns import Representation, Term, relative_change
+from granstudy.evolution.unknowns import Representation, relative_change
 from granstudy.model.densities import InitialDensity
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
+from granstudy.velocity.space import Term
 
 ScaledCollisions = Callable[[np.ndarray, float], np.ndarray]
 """(g, θ) ↦ Q(g,g) of particles whose restitution is e(θ|g·ω|)."""

@@ -1,14 +1,14 @@
 """Q for a restitution e(θ|g·ω|) whose scale θ changes with time (docs/method.md §5)."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from granstudy.collision.operator import collision_operator
 from granstudy.evolution.frames.rescaled import ScaledCollisions
 from granstudy.evolution.unknowns import collisions
-from granstudy.model.kernel import check_restitution
+from granstudy.model.restitution import ScaledRestitution, check_restitution
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 
@@ -22,18 +22,6 @@ POINTS = 4
 
 KEPT = 6
 """Operators kept: making one takes seconds, and so do the arrays of many take memory."""
-
-
-@dataclass(frozen=True)
-class ScaledRestitution:
-    """Restitution of particles that are ``scale`` times as fast: e(scale · |g·ω|)."""
-
-    restitution: Callable[[np.ndarray], np.ndarray]
-    scale: float
-
-    def __call__(self, impact_speed: np.ndarray) -> np.ndarray:
-        """Restitution at the scaled normal impact speeds."""
-        return self.restitution(self.scale * np.asarray(impact_speed))
 
 
 def scaled_collisions(scene: Scene, solver: Solver, Q: Collisions) -> ScaledCollisions:

@@ -4,25 +4,22 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from granstudy.collision.operator import (
-    CollisionOperator,
-    ToleranceError,
-    collision_operator,
-)
-from granstudy.datasets.run_dataset import CONVENTIONS, Status, run_coordinates
+from granstudy.collision.operator import collision_operator
+from granstudy.collision.protocol import CollisionOperator
+from granstudy.datasets.run_dataset import CONVENTIONS, run_coordinates
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.study.benchmark.front import on_front
 from granstudy.study.benchmark.timing import median_seconds, peak_memory_mb
+from granstudy.study.run import Run
+from granstudy.support.errors import ToleranceError
+from granstudy.trust.flags import Status
 from granstudy.velocity.radial import RadialGrid
-
-if TYPE_CHECKING:  # a benchmark's numbers do not depend on how study files are read
-    from granstudy.study.run import Run
 
 WITHOUT_TRANSFORMS = ("direct", "radial")
 
@@ -53,7 +50,7 @@ VARIABLES = {
 class Measurement:
     """One run on so many threads; the numbers are NaN where its operator could not be planned."""
 
-    run: "Run"
+    run: Run
     threads: int
     seconds: float = np.nan
     fft_seconds: float = np.nan
@@ -83,7 +80,7 @@ class Reference:
         return float(np.max(np.abs(Q - Q_reference)) / np.max(np.abs(self.Q)))
 
 
-def benchmark(runs: list["Run"], threads: int) -> xr.Dataset:
+def benchmark(runs: list[Run], threads: int) -> xr.Dataset:
     """Time one evaluation of Q on the initial density for every run of a study's experiment.
 
     Each is timed on one thread and on ``threads``. The runs of one grid (with a reference, all runs: their
@@ -137,12 +134,12 @@ def benchmark(runs: list["Run"], threads: int) -> xr.Dataset:
     return _dataset(rows, values)
 
 
-def _by_grid(runs: list["Run"]) -> list[list["Run"]]:
+def _by_grid(runs: list[Run]) -> list[list[Run]]:
     sizes = sorted({run.solver.N for run in runs})
     return [[run for run in runs if run.solver.N == N] for N in sizes]
 
 
-def _references(runs: list["Run"], threads: int) -> dict[str, Reference]:
+def _references(runs: list[Run], threads: int) -> dict[str, Reference]:
     """The references of some runs by path; runs that share one get it once."""
     found = {}
     for reference in {run.reference.path: run.reference for run in runs}.values():
@@ -152,9 +149,7 @@ def _references(runs: list["Run"], threads: int) -> dict[str, Reference]:
     return found
 
 
-def _measure(
-    runs: list["Run"], threads: int, references: dict[str, Reference]
-) -> list[Measurement]:
+def _measure(runs: list[Run], threads: int, references: dict[str, Reference]) -> list[Measurement]:
     """Measure some runs, timed in turn."""
     rows = []
     calls: list[Callable[[], object]] = []

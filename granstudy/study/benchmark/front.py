@@ -1,12 +1,6 @@
 """The front of speed against error: the runs that no other run beats in both."""
 
 import numpy as np
-import xarray as xr
-
-TOLERANCE = ", rtol"
-SINGLE = ", single"
-ON_GPU = ", gpu"
-"""What is added to the method of a run with a tolerance, in single precision, or on a GPU."""
 
 
 def on_front(seconds: np.ndarray, error: np.ndarray) -> np.ndarray:
@@ -32,25 +26,3 @@ def fastest_within(seconds: np.ndarray, error: np.ndarray, largest: float) -> in
     """Index of the fastest run with at most that error, None where there is no such run."""
     seconds = np.where(np.asarray(error, dtype=float) <= largest, seconds, np.nan)
     return None if np.all(np.isnan(seconds)) else int(np.nanargmin(seconds))
-
-
-def families(table: xr.Dataset) -> list[str]:
-    """What each run of a table counts as on the front: its method, with `TOLERANCE`, `SINGLE`, `ON_GPU`."""
-
-    def along(name: str, absent: object) -> np.ndarray:
-        values = table[name].values if name in table.coords else np.array(absent)
-        return np.broadcast_to(values, table.sizes["run"])
-
-    return [
-        str(method)
-        + TOLERANCE * bool(rtol > 0)
-        + SINGLE * (precision == "single")
-        + ON_GPU * (device == "gpu")
-        for method, rtol, precision, device in zip(
-            along("method", ""),
-            along("rtol", -1.0),
-            along("precision", ""),
-            along("device", ""),
-            strict=True,
-        )
-    ]

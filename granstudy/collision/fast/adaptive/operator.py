@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from granstudy.collision.fast.adaptive.build import planned_operator, quadrature_error, refine
+from granstudy.collision.fast.adaptive.build import planned_operator, refine
+from granstudy.collision.fast.adaptive.error import quadrature_error
 from granstudy.collision.fast.adaptive.plan import QuadraturePlan
 from granstudy.collision.fast.adaptive.search import make_plan
 from granstudy.collision.fast.operator import MakeGain, gain_sum

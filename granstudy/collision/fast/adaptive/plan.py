@@ -2,7 +2,11 @@
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+
+from granstudy.collision.protocol import CollisionOperator
 
 
 @dataclass(frozen=True, repr=False)
@@ -75,3 +79,16 @@ class QuadraturePlan:
             f"  {sum(self.sizes)} nodes ({self.rule}), symmetry {self.symmetry!r}: {self.nodes} "
             f"evaluated, {self.transforms} transforms of {self.n}^{self.dim} points (N={self.N})"
         )
+
+
+@runtime_checkable
+class TunedOperator(CollisionOperator, Protocol):
+    """An operator with a quadrature chosen for a tolerance and a density (`Solver.rtol`)."""
+
+    plan: "QuadraturePlan"
+
+    def check(self, f: np.ndarray) -> float:
+        """The error of Q(f,f) that the tolerance bounds, by a finer quadrature."""
+
+    def tune(self, f: np.ndarray) -> "QuadraturePlan":
+        """Choose the quadrature anew, for this density."""

@@ -4,7 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from granstudy.collision.operator import CollisionOperator, ToleranceError, TunedOperator
+from granstudy.collision.fast.adaptive.plan import TunedOperator
+from granstudy.collision.protocol import CollisionOperator
+from granstudy.support.errors import ToleranceError
 
 CHECK_EVERY = 50
 """Steps between checks: one costs about as much as a step of the Runge–Kutta scheme."""

@@ -6,34 +6,32 @@ errors, and their moments, stay under rtol (docs/method.md §2, fact 5). A finer
 the choice.
 """
 
-from collections.abc import Iterator
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
-import scipy.fft
 
 from granstudy.collision.fast.adaptive.allocation import allocate
 from granstudy.collision.fast.adaptive.build import (
-    ErrorScale,
     describe_plan,
-    difference,
-    magnitude,
     planned_operator,
-    quadrature_error,
     refine,
     shell_radii,
 )
+from granstudy.collision.fast.adaptive.error import (
+    SIZES,
+    ErrorScale,
+    aliasing,
+    magnitude,
+    quadrature_error,
+    resolving_grids,
+)
 from granstudy.collision.fast.adaptive.plan import QuadraturePlan
 from granstudy.collision.fast.adaptive.shells import Shells
-from granstudy.collision.fast.gain import GainSum
-from granstudy.collision.fourier.spectra import resize, serial_transforms
-from granstudy.collision.operator import ToleranceError
+from granstudy.collision.fourier.spectra import serial_transforms
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.quadrature.ladder import ladder
-from granstudy.velocity.cartesian import VelocityGrid
-from granstudy.velocity.symmetry import Symmetry
+from granstudy.support.errors import ToleranceError
 
 TARGET = 0.5
 """Part of the tolerance that a new plan may use: the rest is for a density that evolves."""
@@ -55,13 +53,6 @@ SETTLED = 0.03
 
 LARGEST_N_RHO = 80
 
-PROBE = 3
-PROBE_SHELLS = 12
-"""Rule on the ladder, and number of shells, of the quadrature that aliasing is measured with."""
-
-SIZES = (8, 12, 16, 20, 32, 40, 48, 64, 96, 128)
-"""Grids on which products may be formed. FFTW's real transforms of 32³ points take less time than those
-of 22³ to 30³."""
 
 ATTEMPTS = 5
 
@@ -118,64 +109,6 @@ def _unreachable(solver: Solver, error: float) -> ToleranceError:
         f"rtol={solver.rtol!r}: on N={solver.N} {cause} keeps the sums over directions from settling "
         f"below {error:.1e} of max|Q|; take a larger N or a larger rtol{remedy}"
     )
-
-
-class Aliasing(NamedTuple):
-    """How much a fixed quadrature changes with the signs of its nodes, over max|Q|.
-
-    But for aliasing it does not matter which of ±g is evaluated.
-
-    Attributes
-    ----------
-    kept : float
-        On the modes that quadratures are compared on.
-    everywhere : float
-        On all modes.
-    Q : ndarray
-        Q(f,f) with that quadrature.
-    scale : float
-        Its `magnitude`.
-    """
-
-    kept: float
-    everywhere: float
-    Q: np.ndarray
-    scale: float
-
-
-def aliasing(scene: Scene, solver: Solver, f: np.ndarray) -> Aliasing:
-    """Measure the aliasing of Q(f,f) on the solver's grid."""
-    scene = replace(scene, symmetry=Symmetry.named(scene.dim, "none"))
-    operator = planned_operator(scene, solver, describe_plan(scene, solver, [PROBE] * PROBE_SHELLS))
-    Q = operator(f)
-    flipped = replace(operator.gain.nodes, vectors=-operator.gain.nodes.vectors)
-    operator.gain = GainSum(
-        scene, operator.gain.grid, flipped, solver.thread_count, precision=solver.precision
-    )
-    other = operator(f)
-    scale = magnitude(operator, f, Q)
-    changed = Q - other
-    return Aliasing(difference(changed) / scale, float(np.max(np.abs(changed))) / scale, Q, scale)
-
-
-def resolving_grids(
-    grid: VelocityGrid, f: np.ndarray, tolerance: float
-) -> Iterator[tuple[int, np.ndarray]]:
-    """Those of `SIZES` on which f is max|f|·tolerance near itself, each with f there; N comes last."""
-    axes = (0, 1, 2) if grid.dim == 3 else (0, 2)
-    f_hat = scipy.fft.rfftn(f.reshape(grid.N, -1, grid.N), axes=axes, norm="forward")
-
-    def values(spectrum: np.ndarray) -> np.ndarray:
-        shape = (len(spectrum),) * grid.dim
-        return scipy.fft.irfftn(spectrum, s=shape, axes=axes, norm="forward").reshape(shape)
-
-    for n in SIZES:
-        if n < grid.N:
-            small = resize(f_hat, n)
-            lost = values(f_hat - resize(small, grid.N))
-            if np.max(np.abs(lost)) <= tolerance * np.max(np.abs(f)):
-                yield n, values(small)
-    yield grid.N, f
 
 
 def _radial_size(scene: Scene, solver: Solver, f: np.ndarray, tolerance: float) -> int:

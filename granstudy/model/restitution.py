@@ -1,0 +1,67 @@
+"""Restitution e of a collision: a constant, or a law of the normal impact speed |g·ω|."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+Restitution = float | Callable[[np.ndarray], np.ndarray]
+"""A constant 0 ≤ e ≤ 1, or a function of the normal impact speed |g·ω| (the paper's Remark 2)."""
+
+
+@dataclass(frozen=True)
+class Viscoelastic:
+    """Restitution of viscoelastic spheres, e = 1 − C₁ A v^{1/5} + ⅗ C₁² A² v^{2/5}.
+
+    ``v`` is the normal impact speed |g·ω|, C₁ = 1.15344; the first two terms of the series in
+    Brilliantov & Pöschel, *Kinetic Theory of Granular Gases* (2004), eq. 3.22. The parabola's minimum
+    is 7/12, so the law stays in [0, 1] until C₁ A v^{1/5} exceeds 5/3.
+    """
+
+    A: float
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.A) and self.A >= 0.0):
+            raise ValueError(f"A={self.A!r}: must be a non-negative number")
+
+    def __call__(self, impact_speed: np.ndarray) -> np.ndarray:
+        """Restitution at the normal impact speeds."""
+        s = 1.15344 * self.A * np.asarray(impact_speed) ** 0.2
+        return 1.0 - s + 0.6 * s**2
+
+
+def check_restitution(restitution: Restitution, largest_speed: float = 1.0) -> None:
+    """Raise ValueError unless ``restitution`` is within [0, 1] at speeds up to ``largest_speed``."""
+    if callable(restitution):
+        speeds = np.linspace(0.0, largest_speed, 257)
+        values = np.asarray(restitution(speeds), dtype=float)
+        if values.shape != speeds.shape:
+            raise ValueError(
+                f"restitution={restitution!r}: must return an array of the shape it is given, "
+                f"got {values.shape} for {speeds.shape}"
+            )
+        if not np.all((values >= 0.0) & (values <= 1.0)):
+            worst = speeds[np.argmax(np.abs(np.nan_to_num(values, nan=np.inf) - 0.5))]
+            raise ValueError(
+                f"restitution={restitution!r}: must lie between 0 and 1 for impact speeds up to "
+                f"{largest_speed:g}; does not at {worst:g}"
+            )
+    elif isinstance(restitution, bool) or not isinstance(restitution, (int, float, np.number)):
+        raise ValueError(
+            f"restitution={restitution!r}: must be a number between 0 and 1 or a function of the "
+            "normal impact speed"
+        )
+    elif not 0.0 <= restitution <= 1.0:
+        raise ValueError(f"restitution={restitution!r}: must lie between 0 and 1")
+
+
+@dataclass(frozen=True)
+class ScaledRestitution:
+    """Restitution of particles that are ``scale`` times as fast: e(scale · |g·ω|)."""
+
+    restitution: Callable[[np.ndarray], np.ndarray]
+    scale: float
+
+    def __call__(self, impact_speed: np.ndarray) -> np.ndarray:
+        """Restitution at the scaled normal impact speeds."""
+        return self.restitution(self.scale * np.asarray(impact_speed))
