@@ -94,6 +94,9 @@ def _names(path: Path) -> Iterator[tuple[str, str]]:
     """Dotted names that a file imports or spells in a string that is no docstring, and how."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     docstrings = {node.value for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    texts = {node for node in ast.walk(tree) if isinstance(node, ast.Constant)} - docstrings
+    spelled = {str(text.value) for text in texts if re.fullmatch(MODULE, str(text.value))}
+    yield from ((name.replace(":", "."), "by string") for name in spelled)
     lazy, type_only = set[ast.AST](), set[ast.AST]()
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
@@ -106,9 +109,6 @@ def _names(path: Path) -> Iterator[tuple[str, str]]:
             yield from ((alias.name, how) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             yield from ((f"{node.module}.{alias.name}", how) for alias in node.names)
-        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
-            if node not in docstrings and re.fullmatch(MODULE, node.value):
-                yield node.value.replace(":", "."), "by string"
 
 
 def room(module: str) -> str:
