@@ -26,7 +26,7 @@ FLOORS = (
     ("velocity",),
     ("support",),
 )
-"""Rooms, from the roof to the cellar. A file imports from its own room and from lower floors only, so that
+"""Rooms, from the top floor to the cellar. A file imports from its own room and from lower floors only:
 rooms on one floor do not know each other."""
 
 APART = {("trust", "collision"): "trust judges what any method computed, so it knows none"}
@@ -111,15 +111,27 @@ def _names(path: Path) -> Iterator[tuple[str, str]]:
             yield from ((f"{node.module}.{alias.name}", how) for alias in node.names)
 
 
+def purpose(house: Path, name: str) -> str:
+    """What a room is for: the first line of its ``__init__.py``."""
+    text = ast.get_docstring(ast.parse((house / name / "__init__.py").read_text(encoding="utf-8")))
+    return (text or "").partition("\n")[0]
+
+
+def entries(folder: Path) -> list[str]:
+    """Files and folders in a room; its ``__init__.py`` does not count."""
+    names = sorted(path.name for path in folder.iterdir())
+    return [name for name in names if not name.startswith(("__", "."))]
+
+
 def room(module: str) -> str:
     """The room that a module stands in; ``granstudy`` for the package's own ``__init__.py``."""
     return (module.split(".")[1:] or ["granstudy"])[0]
 
 
 def floor(name: str) -> int:
-    """The floor of a room, 0 the cellar; ``granstudy`` itself stands above the roof."""
-    floors = {one: number for number, rooms in enumerate(FLOORS[::-1]) for one in rooms}
-    return floors.get(name, len(FLOORS))
+    """The floor of a room, 1 the cellar; ``granstudy`` itself is the roof."""
+    floors = {one: number for number, rooms in enumerate(FLOORS[::-1], 1) for one in rooms}
+    return floors.get(name, len(FLOORS) + 1)
 
 
 def circles(found: Iterable[Import]) -> list[str]:

@@ -4,7 +4,18 @@ import re
 from pathlib import Path
 
 import pytest
-from architecture import APART, FLOORS, FORKS, HOUSE, circles, floor, imports, modules, room
+from architecture import (
+    APART,
+    FLOORS,
+    FORKS,
+    HOUSE,
+    circles,
+    entries,
+    floor,
+    imports,
+    modules,
+    room,
+)
 
 LARGEST_FILE = 400
 """Lines."""
@@ -67,11 +78,6 @@ def rooms_are_small(house: Path) -> list[str]:
     folders = [folder for folder in house.rglob("*") if (folder / "__init__.py").is_file()]
     sizes = {folder.relative_to(house.parent): len(entries(folder)) for folder in folders}
     return [f"{folder}: {size}" for folder, size in sizes.items() if size > LARGEST_ROOM]
-
-
-def entries(folder: Path) -> list[str]:
-    names = [path.name for path in folder.iterdir()]
-    return [name for name in names if not name.startswith(("__", "."))]
 
 
 def files_are_small(house: Path) -> list[str]:
