@@ -1,46 +1,54 @@
-"""The protocol of a collision operator, and the choice of one by the solver's method."""
+"""The collision operator of a scene: its method chosen where that is open, and made.
 
-from importlib import import_module
-from typing import TYPE_CHECKING
+The module is a fork: it only chooses, so that no run's key depends on it (`granstudy.support.fingerprint`).
+"""
 
+from dataclasses import replace
+
+from granstudy.collision.choice.cheapest import choose_method, radial_nodes
+from granstudy.collision.choice.grid import fit_solver
+from granstudy.collision.choice.methods import maker
+from granstudy.collision.fast.gpu.operator import check as check_gpu
 from granstudy.collision.protocol import CollisionOperator
 from granstudy.model.restitution import check_restitution
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Choice, Solver
 
-if TYPE_CHECKING:
-    pass
 
-OPERATORS = {
-    "literal": ("granstudy.collision.literal", "LiteralOperator"),
-    "direct": ("granstudy.collision.direct", "DirectOperator"),
-    "radial": ("granstudy.collision.radial.operator", "RadialOperator"),
-    "carleman": ("granstudy.collision.carleman.operator", "CarlemanOperator"),
-    "fast": ("granstudy.collision.fast.operator", "fast_operator"),
-    "adaptive": ("granstudy.collision.fast.adaptive.operator", "AdaptiveOperator"),
-    "fast on gpu": ("granstudy.collision.fast.gpu.operator", "fast_on_gpu"),
-    "adaptive on gpu": ("granstudy.collision.fast.gpu.operator", "adaptive_on_gpu"),
-}
-"""Module and maker of the operator behind each method; imported only where a method is used, so that a
-run loads, and is fingerprinted by, no other method's code."""
+def choose(scene: Scene, solver: Solver) -> Choice:
+    """Choose what a solver leaves open: N and R for its tolerance, then the method.
 
-
-def concrete(scene: Scene, solver: Solver) -> Choice:
-    """The solver with what it leaves open chosen for the scene; itself where it leaves nothing open.
-
-    What chooses is imported only where something is open, so that it is no part of other runs' code.
+    A solver that leaves nothing open is returned as it is. The choice depends on neither the machine nor
+    the threads.
 
     Raises
     ------
     ValueError
-        If it asks for a GPU and there is none, or none that can model the scene.
+        If no grid of reasonable size holds the scene's density.
+    """
+    asked, fitted = solver, ""
+    if solver.N is None:
+        assert solver.rtol is not None
+        box = fit_solver(scene, solver.rtol, variant=solver.variant, threads=solver.threads).sized()
+        solver = replace(solver, N=radial_nodes(box.N) if solver.traits.radial else box.N, R=box.R)
+        fitted = f"N={box.N} and R={box.R:g} hold the density to rtol={solver.rtol:g}"
+    chosen, reason = solver.sized(), ""
+    if solver.traits.chooses:
+        chosen, reason = choose_method(scene, chosen)
+    return Choice(asked, chosen, "; ".join(part for part in (fitted, reason) if part))
+
+
+def concrete(scene: Scene, solver: Solver) -> Choice:
+    """`choose`, on a machine that is to compute: a GPU that is asked for must be there.
+
+    Raises
+    ------
+    ValueError
+        As `choose`; and if the solver asks for a GPU and there is none, or none that can model the scene.
     """
     if solver.device == "gpu":  # here, before any work
-        import_module("granstudy.collision.fast.gpu.operator").check(scene)
-    if not solver.is_open:
-        return Choice(solver, solver, "")
-    choice: Choice = import_module("granstudy.collision.choice.cheapest").choose(scene, solver)
-    return choice
+        check_gpu(scene)
+    return choose(scene, solver)
 
 
 def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:
@@ -56,12 +64,11 @@ def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:
         rule of the size asked for, or its tolerance cannot be reached on the grid, or there is no GPU
         where one is asked for, or the method is ``dsmc``, which has no operator.
     """
-    if solver.method == "dsmc":
+    if solver.traits.by_particles:
         raise ValueError(
-            "method='dsmc': particles have no collision operator; simulate with it, or take another method"
+            f"method={solver.method!r}: particles have no collision operator; simulate with it, or take "
+            "another method"
         )
-    solver = concrete(scene, solver).solver
-    check_restitution(scene.restitution, largest_speed=solver.R)
-    module, name = OPERATORS[solver.operator]
-    operator = getattr(import_module(module), name)
-    return operator(scene, solver)
+    chosen = concrete(scene, solver).solver
+    check_restitution(scene.restitution, largest_speed=chosen.R)
+    return maker(chosen)(scene, chosen)

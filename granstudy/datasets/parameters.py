@@ -1,56 +1,67 @@
-"""Every parameter of a run: its coordinate's name, symbol, absent value and place in the order of sweeps."""
+"""Every parameter of a run, once: symbol, heading in tables, and what stands for it where a run has none."""
 
+from dataclasses import dataclass
 from typing import Any
 
-SWEPT = (
-    "e",
-    "exponent",
-    "epsilon",
-    "symmetry",
-    "N",
-    "R",
-    "N_rho",
-    "M_sph",
-    "M_cir",
-    "rtol",
-    "particles",
-    "batches",
-    "seed",
-    "variant",
-    "method",
-    "sphere_rule",
-    "radial_rule",
-    "dealias",
-    "precision",
-    "device",
-    "frame",
-    "scheme",
-    "conserve",
-    "time_rtol",
-    "dt",
-)
-"""What a study can sweep, in the order of a run's path."""
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter of a run: a scalar coordinate of its dataset under the parameter's name.
+
+    Attributes
+    ----------
+    symbol : str
+        On figures, as Matplotlib's mathematics.
+    heading : str
+        In tables; "" stands for the name itself.
+    absent : object
+        Value in a dataset of many runs for those that do not have the parameter; None: every run has it.
+    real : bool
+        Whether it is a real number, so that a study file's 1 means 1.0.
+    follows : bool
+        Whether it follows from others and so cannot be swept.
+    """
+
+    symbol: str = ""
+    heading: str = ""
+    absent: Any = None
+    real: bool = False
+    follows: bool = False
 
 
-ABSENT: dict[str, Any] = {
-    "N_rho": -1,
-    "M_sph": -1,
-    "N_theta": -1,
-    "N_phi": -1,
-    "M_cir": -1,
-    "rtol": -1.0,
-    "particles": -1,
-    "batches": -1,
-    "seed": -1,
-    "variant": "",
-    "sphere_rule": "",
-    "radial_rule": "",
-    "dealias": False,
-    "precision": "",
-    "device": "cpu",
-    "frame": "",
-    "scheme": "",
-    "conserve": "",
-    "time_rtol": -1.0,
+PARAMETERS: dict[str, Parameter] = {
+    "e": Parameter("$e$", real=True),
+    "exponent": Parameter(r"$\lambda$", "λ", real=True),
+    "epsilon": Parameter(r"$\varepsilon$", "ε", real=True),
+    "symmetry": Parameter(),
+    "N": Parameter("$N$"),
+    "R": Parameter("$R$", real=True),
+    "N_rho": Parameter(r"$N_\rho$", "N_ρ", absent=-1),
+    "M_sph": Parameter(r"$M_\mathrm{sph}$", absent=-1),
+    "N_theta": Parameter(heading="N_θ", absent=-1, follows=True),
+    "N_phi": Parameter(heading="N_φ", absent=-1, follows=True),
+    "M_cir": Parameter(r"$M_\mathrm{cir}$", absent=-1),
+    "rtol": Parameter(absent=-1.0, real=True),
+    "particles": Parameter(absent=-1),
+    "batches": Parameter(absent=-1),
+    "seed": Parameter(absent=-1),
+    "variant": Parameter(absent=""),
+    "method": Parameter(),
+    "sphere_rule": Parameter(heading="rule", absent=""),
+    "radial_rule": Parameter(absent=""),
+    "dealias": Parameter(absent=False),
+    "precision": Parameter(absent=""),
+    "device": Parameter(absent="cpu"),
+    "frame": Parameter(absent=""),
+    "scheme": Parameter(absent=""),
+    "conserve": Parameter(absent=""),
+    "time_rtol": Parameter(absent=-1.0, real=True),
+    "dt": Parameter(r"$\Delta t$", "Δt", real=True),
 }
+"""All parameters by the name of their coordinate, in the order of a run's path."""
+
+SWEPT = tuple(name for name, parameter in PARAMETERS.items() if not parameter.follows)
+"""What a study can sweep."""
+
+ABSENT = {name: p.absent for name, p in PARAMETERS.items() if p.absent is not None}
 """What stands for a parameter that a run does not have, beside runs that have it."""

@@ -7,34 +7,35 @@ import os
 from dataclasses import dataclass
 from typing import Any
 
+from granstudy.model.methods import (
+    METHODS,
+    ONLY_SOME,
+    PARTICLES,
+    PRODUCTS,
+    QUADRATURE,
+    Method,
+    that_take,
+)
 from granstudy.support.checks import check_count
 from granstudy.support.errors import unknown_name
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.space import check_node_count, check_point_count, check_radius
 
-METHODS = ("auto", "literal", "direct", "fast", "radial", "carleman", "dsmc")
 VARIANTS = ("full", "separate")
 RADIAL_RULES = ("legendre", "jacobi")
 PRECISIONS = ("double", "single")
 DEVICES = ("cpu", "gpu")
 
-ONLY_FAST = {"dealias": True, "precision": "single", "device": "gpu"}
-"""Fields with the value that `fast` alone takes; where `auto` takes another method, it runs without."""
-
-CHOSEN_BY_RTOL = {"N_rho", "M_sph", "M_cir", "sphere_rule", "radial_rule"}
-"""Fields that a tolerance takes the place of."""
-
-PARTICLE_FIELDS = {"particles", "batches", "seed"}
-"""Fields that only `dsmc` takes; beside them, N, R and threads, it uses no other."""
-
 LEAST_PARTICLES = 10
-"""Of a batch in `dsmc`: fewer have no covariance to speak of."""
-
-TAKES_RTOL = ("auto", "fast", "radial")
-"""Methods that take a tolerance; `radial` has no quadrature error, so that it meets any."""
+"""Smallest number of particles in a batch of `dsmc`: fewer have no covariance to speak of."""
 
 
-@dataclass(frozen=True)
+def setting(default: Any, text: str) -> Any:
+    """A field of `Solver`, with what a study file's schema says of it."""
+    return dataclasses.field(default=default, metadata={"help": text})
+
+
+@dataclass(frozen=True, eq=False)
 class Solver:
     """How well it is modelled.
 
@@ -98,56 +99,50 @@ class Solver:
         If a field is outside what is stated above; the message names field, value and allowed.
     """
 
-    N: int = None  # type: ignore[assignment]  # None only until `granstudy.choose`
-    R: float = None  # type: ignore[assignment]
-    N_rho: int | None = 30
-    M_sph: int | tuple[int, int] = 32
-    M_cir: int = 30
-    variant: str = "separate"
-    method: str = "fast"
-    sphere_rule: str = "design"
-    radial_rule: str = "legendre"
-    rtol: float | None = None
-    circular: bool = False
-    particles: int | None = None
-    batches: int = 20
-    seed: int = 0
-    dealias: bool = False
-    precision: str = "double"
-    threads: int | None = None
-    device: str = "cpu"
+    N: int | None = setting(None, "grid points in each dimension; radial: speeds")
+    R: float | None = setting(None, "truncation radius of the relative velocity")
+    N_rho: int | None = setting(30, "radial nodes of the quadrature")
+    M_sph: int | tuple[int, int] = setting(32, "nodes on the sphere, 3D")
+    M_cir: int = setting(30, "nodes on the circle, 2D")
+    variant: str = setting("separate", "full or separate: the loss by the gain's nodes, or closed")
+    method: str = setting("fast", ", ".join(METHODS))
+    sphere_rule: str = setting(
+        "design", "design, lebedev, product, gauss-theta-phi, or a text file"
+    )
+    radial_rule: str = setting("legendre", "legendre or jacobi")
+    rtol: float | None = setting(None, "tolerance of Q's quadrature error, in place of N_rho, M_..")
+    circular: bool = setting(False, "direct: do as the paper's direct method does")
+    particles: int | None = setting(None, "of method dsmc, all batches together")
+    batches: int = setting(20, "of method dsmc; default 20")
+    seed: int = setting(0, "of method dsmc; default 0")
+    dealias: bool = setting(False, "pad the products of fast")
+    precision: str = setting("double", "double, or single for fast")
+    threads: int | None = setting(None, "threads to use; default: one a core")
+    device: str = setting("cpu", "cpu or gpu; default: cpu")
 
     def __post_init__(self) -> None:
-        if self.N is None or self.R is None:
-            self._check_left_out()
-        else:
-            (check_node_count if self.method == "radial" else check_point_count)(self.N)
-            check_radius(self.R)
-        if self.N_rho is None:
-            if self.method != "direct":
-                raise ValueError(f"N_rho=None: only method 'direct' allows it, not {self.method!r}")
-        else:
-            check_count("N_rho", self.N_rho)
-        check_count("M_cir", self.M_cir)
-        if not isinstance(self.M_sph, (tuple, list)):
-            check_count("M_sph", self.M_sph)
-        if self.threads is not None:
-            check_count("threads", self.threads)
         for field, allowed in (
             ("variant", VARIANTS),
-            ("method", METHODS),
+            ("method", tuple(METHODS)),
             ("radial_rule", RADIAL_RULES),
             ("precision", PRECISIONS),
             ("device", DEVICES),
         ):
             if getattr(self, field) not in allowed:
                 raise unknown_name(field, getattr(self, field), allowed)
-        self._check_only_fast()
+        self._check_grid()
+        self._check_sizes()
+        self._check_only_some()
         if self.rtol is not None:
             self._check_rtol(self.rtol)
-        self._check_particles()
+        if self.traits.by_particles:
+            self._check_particles()
 
-    def _check_left_out(self) -> None:
+    def _check_grid(self) -> None:
+        if self.N is not None and self.R is not None:
+            (check_node_count if self.traits.radial else check_point_count)(self.N)
+            check_radius(self.R)
+            return
         for field, value in (("N", self.N), ("R", self.R)):
             if value is None and self.rtol is None:
                 raise ValueError(
@@ -156,39 +151,41 @@ class Solver:
         if self.N is not None or self.R is not None:
             raise ValueError(f"N={self.N!r}, R={self.R!r}: rtol chooses both; give both or neither")
 
-    def _check_only_fast(self) -> None:
+    def _check_sizes(self) -> None:
+        if self.N_rho is not None:
+            check_count("N_rho", self.N_rho)
+        elif not self.traits.free_radii:
+            allowed = next(name for name, method in METHODS.items() if method.free_radii)
+            raise ValueError(f"N_rho=None: only method {allowed!r} allows it, not {self.method!r}")
+        check_count("M_cir", self.M_cir)
+        if not isinstance(self.M_sph, (tuple, list)):
+            check_count("M_sph", self.M_sph)
+        if self.threads is not None:
+            check_count("threads", self.threads)
         if not isinstance(self.dealias, bool):
             raise ValueError(f"dealias={self.dealias!r}: must be True or False")
-        for field, value in ONLY_FAST.items():
-            if getattr(self, field) == value and self.method not in ("auto", "fast"):
+
+    def _check_only_some(self) -> None:
+        """Raise ValueError for a field that only other methods take."""
+        for field in dataclasses.fields(self):
+            value = getattr(self, field.name)
+            others = field.name in ONLY_SOME and field.name not in self.traits.takes
+            if others and value != field.default:
                 raise ValueError(
-                    f"{field}={value!r}: only methods 'auto' and 'fast' take it, not {self.method!r}"
+                    f"{field.name}={value!r}: only {that_take(field.name)} it, not {self.method!r}"
                 )
 
     def _check_rtol(self, rtol: object) -> None:
         if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 0.0 < rtol < 1.0:
             raise ValueError(f"rtol={rtol!r}: must be a number between 0 and 1, or None")
-        if self.method not in TAKES_RTOL:
-            raise ValueError(
-                f"rtol={rtol!r}: only methods {', '.join(map(repr, TAKES_RTOL))} take it, "
-                f"not {self.method!r}"
-            )
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
-            if field.name in CHOSEN_BY_RTOL and value != field.default:
+            if field.name in QUADRATURE and value != field.default:
                 raise ValueError(
                     f"{field.name}={value!r}: rtol={rtol!r} chooses it; leave one of them out"
                 )
 
     def _check_particles(self) -> None:
-        if self.method != "dsmc":
-            for field in dataclasses.fields(self):
-                value = getattr(self, field.name)
-                if field.name in PARTICLE_FIELDS and value != field.default:
-                    raise ValueError(
-                        f"{field.name}={value!r}: only method 'dsmc' takes it, not {self.method!r}"
-                    )
-            return
         check_count("particles", self.particles)
         check_count("batches", self.batches)
         assert self.particles is not None
@@ -202,17 +199,110 @@ class Solver:
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
             raise ValueError(f"seed={self.seed!r}: must be an integer of at least 0")
 
+    def __eq__(self, other: object) -> bool:
+        """Whether the other one has the same fields, sized or not."""
+        return isinstance(other, Solver) and self._values() == other._values()
+
+    def __hash__(self) -> int:
+        return hash(self._values())
+
+    def _values(self) -> tuple[Any, ...]:
+        return tuple(getattr(self, field.name) for field in dataclasses.fields(Solver))
+
     @property
-    def operator(self) -> str:
-        """Name of the operator behind the method: ``adaptive`` for `fast` with a tolerance, ``on gpu``."""
-        adaptive = self.method == "fast" and self.rtol is not None
-        name = "adaptive" if adaptive else self.method
-        return f"{name} on gpu" if self.device == "gpu" else name
+    def traits(self) -> Method:
+        """What its method takes."""
+        return METHODS[self.method]
 
     @property
     def is_open(self) -> bool:
         """Whether it leaves the method or the grid to be chosen for a scene."""
-        return self.method == "auto" or self.N is None
+        return self.traits.chooses or self.N is None
+
+    def sized(self) -> "SizedSolver":
+        """The same solver as one whose N and R are known.
+
+        Raises
+        ------
+        ValueError
+            If N and R are left open.
+        """
+        if self.N is None:
+            raise ValueError("N=None: choose N and R first, with granstudy.choose")
+        return SizedSolver(*self._values())
+
+    def grid(self, dim: int) -> VelocityGrid:
+        """The Cartesian velocity grid in ``dim`` dimensions, of every method but `radial`."""
+        sized = self.sized()
+        return VelocityGrid(dim, sized.N, sized.R)
+
+    @property
+    def thread_count(self) -> int:
+        """Threads to use."""
+        return self.threads or len(os.sched_getaffinity(0))
+
+    def coordinates(self, dim: int) -> dict[str, Any]:
+        """What is swept of a solver and plays a part, by the names of `granstudy.datasets.parameters`."""
+        grid: dict[str, Any] = {"N": self.N, "R": self.R}
+        if self.traits.by_particles:
+            sizes = {"particles": self.particles, "batches": self.batches, "seed": self.seed}
+            return grid | sizes | {"method": self.method}
+        rules: dict[str, Any] = {}
+        if self.rtol is None:
+            rules = {"sphere_rule": self.sphere_rule} if dim == 3 else {}
+            rules["radial_rule"] = self.radial_rule
+        device = {"device": self.device} if self.device != DEVICES[0] else {}
+        return {
+            **grid,
+            **self._quadrature_coordinates(dim),
+            "variant": self.variant,
+            "method": self.method,
+            **rules,
+            "dealias": self.dealias,
+            "precision": self.precision,
+            **device,
+        }
+
+    def _quadrature_coordinates(self, dim: int) -> dict[str, Any]:
+        """The tolerance, or the sizes that it takes the place of."""
+        if self.rtol is not None:
+            return {"rtol": float(self.rtol)}
+        N_rho = -1 if self.N_rho is None else self.N_rho
+        if dim == 2:
+            return {"N_rho": N_rho, "M_cir": self.M_cir}
+        if isinstance(self.M_sph, int):
+            return {"N_rho": N_rho, "M_sph": self.M_sph}
+        N_theta, N_phi = self.M_sph
+        return {"N_rho": N_rho, "M_sph": N_theta * N_phi, "N_theta": N_theta, "N_phi": N_phi}
+
+    def describe(self) -> dict[str, Any]:
+        """The solver as plain data, for a dataset's attributes.
+
+        ``threads`` is left out: it changes how long a run takes, not what comes out. So is what plays no
+        part, ``rtol`` or what it chooses, and so
+        are the fields of `PRODUCTS` that are not in use.
+        """
+        every = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        unused = {"threads", *({"rtol"} if self.rtol is None else QUADRATURE)}
+        unused |= {name for name in PRODUCTS if every[name] == NOT_IN_USE[name]}
+        unused |= self.traits.unused if self.traits.by_particles else PARTICLES
+        return {key: value for key, value in every.items() if key not in unused}
+
+
+NOT_IN_USE = {"dealias": False, "precision": PRECISIONS[0], "device": DEVICES[0]}
+"""Values of fields of `PRODUCTS` that a description leaves out."""
+
+
+@dataclass(frozen=True, eq=False)
+class SizedSolver(Solver):
+    """A solver whose N and R are known, as every operator needs them; see `Solver`."""
+
+    N: int
+    R: float
+
+    def sized(self) -> "SizedSolver":
+        """The solver itself."""
+        return self
 
     @property
     def product_points(self) -> int:
@@ -223,30 +313,6 @@ class Solver:
         """
         return 2 * math.ceil(3 * self.N / 4) if self.dealias else self.N
 
-    def grid(self, dim: int) -> VelocityGrid:
-        """The Cartesian velocity grid in ``dim`` dimensions, of every method but `radial`."""
-        return VelocityGrid(dim, self.N, self.R)
-
-    @property
-    def thread_count(self) -> int:
-        """Threads to use."""
-        return self.threads or len(os.sched_getaffinity(0))
-
-    def describe(self) -> dict[str, Any]:
-        """The solver as plain data, for a dataset's attributes.
-
-        ``threads`` is left out: it changes how long a run takes, not what comes out. So is what plays no
-        part, ``rtol`` or what it chooses, and so are fields of `ONLY_FAST` that are not in use.
-        """
-        every = dataclasses.asdict(self)
-        unused = {"threads", *({"rtol"} if self.rtol is None else CHOSEN_BY_RTOL)}
-        unused |= {field for field, value in ONLY_FAST.items() if getattr(self, field) != value}
-        if self.method == "dsmc":
-            unused |= every.keys() - {"N", "R", "method"} - PARTICLE_FIELDS
-        else:
-            unused |= PARTICLE_FIELDS
-        return {key: value for key, value in every.items() if key not in unused}
-
 
 @dataclass(frozen=True)
 class Choice:
@@ -254,14 +320,16 @@ class Choice:
 
     Attributes
     ----------
-    asked, solver : Solver
-        What was asked for, and what does it; the same where nothing was left open.
+    asked : Solver
+        What was asked for.
+    solver : SizedSolver
+        What does it: the same where nothing was left open.
     reason : str
         Why, in a line.
     """
 
     asked: Solver
-    solver: Solver
+    solver: SizedSolver
     reason: str
 
     def attributes(self) -> dict[str, str]:

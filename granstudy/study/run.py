@@ -7,18 +7,16 @@ from functools import cached_property
 from typing import Any
 from urllib.parse import quote
 
-from granstudy.collision.carleman import scenes as carleman_scenes
-from granstudy.collision.choice.cheapest import choose
 from granstudy.collision.choice.cost import Cost, estimate
-from granstudy.collision.fast.gpu import device
-from granstudy.collision.rules import directions
+from granstudy.collision.choice.methods import OPERATORS, check
+from granstudy.collision.operator import choose
 from granstudy.evolution.forecast import expected_evaluations
 from granstudy.evolution.times import TimeSettings, check_frame
-from granstudy.model.isotropy import check_isotropic
 from granstudy.model.kernel import VHS
+from granstudy.model.methods import METHODS, PARTICLES
 from granstudy.model.restitution import Viscoelastic, check_restitution
 from granstudy.model.scene import Scene, load_scene
-from granstudy.model.solver import PARTICLE_FIELDS, TAKES_RTOL, Choice, Solver
+from granstudy.model.solver import Choice, Solver
 from granstudy.particles.cost import particle_cost
 from granstudy.particles.restitution_table import alpha_table
 from granstudy.states.solve import check_state, gaussian_scene, state_evaluations
@@ -154,14 +152,14 @@ class Run:
         settings |= swept
         if settings.get("method") != "dsmc":
             # So that an experiment can sweep over methods, one of them `dsmc`.
-            for field in PARTICLE_FIELDS - swept.keys():
+            for field in PARTICLES - swept.keys():
                 settings.pop(field, None)
         reference = self.model.reference
         if self.is_reference and reference is not None and self._value("method", None) != "radial":
             for own in ("rtol", "precision", "device"):  # of the run's; a reference says its own
                 settings.pop(own, None)
             settings |= reference.model_dump(exclude_unset=True)
-        chosen = "rtol" in settings and settings.get("method", "fast") in TAKES_RTOL
+        chosen = "rtol" in settings and "rtol" in METHODS[settings.get("method", "fast")].takes
         for needed in ("N", "R"):
             if needed not in settings and not chosen:
                 raise ValueError(f"{needed}: set solver.{needed} or sweep {needed}")
@@ -220,7 +218,12 @@ class Run:
             assert self.time is not None
             records = len(self.time.recorded)
             return particle_cost(self.scene, self.solver, self.time.t_final, records)[0]
-        return estimate(self.planned_scene, self.choice.solver, self.evaluations)
+        return estimate(
+            OPERATORS[self.choice.solver.method].cost,
+            self.planned_scene,
+            self.choice.solver,
+            self.evaluations,
+        )
 
     def check(self) -> None:
         """Raise ValueError for anything that would stop the run later."""
@@ -235,20 +238,14 @@ class Run:
             return
         solver = self.choice.solver
         check_restitution(self.scene.restitution, solver.R)
-        radial = solver.method == "radial"
-        if self.solver.method == "radial":  # which is chosen for isotropic scenes only
-            check_isotropic(self.scene, solver.R)
-        elif not radial and solver.rtol is None:
-            directions(self.planned_scene, solver)
-        if solver.device == "gpu":
-            device.check_scene(self.scene)
-        if solver.method == "carleman":
-            carleman_scenes.check_scene(self.scene)
+        radial = solver.traits.radial
+        asked = self.solver.method == solver.method
+        check(self.scene if asked else self.planned_scene, solver)
         if self.model.reference is not None and not self.is_reference:
             self.reference.check()
         if self.model.run == "collision" and not self.is_reference:
             other = self.reference.choice.solver.method
-            if radial != (other == "radial"):
+            if radial != METHODS[other].radial:
                 raise ValueError(
                     f"method {solver.method!r}: has other velocity nodes than its reference's "
                     f"method {other!r}; a collision run and its reference must share them"

@@ -1,4 +1,4 @@
-"""What a solver leaves open, chosen for a scene: the method by what the scene is and what each would cost.
+"""The cheapest method that can do a scene, as ``method="auto"`` chooses it.
 
 The candidates are put on an equal footing, so that the cheapest one is no worse than `fast` with what was
 asked for:
@@ -14,10 +14,10 @@ import math
 from dataclasses import replace
 
 from granstudy.collision.carleman import scenes as carleman_scenes
-from granstudy.collision.choice.cost import estimate
+from granstudy.collision.choice.cost import CARLEMAN, DIRECT, FAST, estimate
 from granstudy.model.isotropy import check_isotropic
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Choice, Solver
+from granstudy.model.solver import SizedSolver
 from granstudy.quadrature.sphere import sphere_sizes
 
 CARTESIAN_PER_RADIAL = 1.7
@@ -34,35 +34,7 @@ WORTH_IT = 1.2
 """How many times cheaper than `fast` another method must be expected to be."""
 
 
-def choose(scene: Scene, solver: Solver) -> Choice:
-    """Choose what a solver leaves open: N and R for its tolerance, then the method.
-
-    A solver that leaves nothing open is returned as it is. The choice depends on neither the machine nor
-    the threads.
-
-    Raises
-    ------
-    ValueError
-        If no grid of reasonable size holds the scene's density.
-    """
-    if not solver.is_open:
-        return Choice(solver, solver, "")
-    sized, fitted = solver, ""
-    if solver.N is None:
-        # Here, as studies that set N need not depend on how it is chosen.
-        from granstudy.collision.choice.grid import fit_solver
-
-        assert solver.rtol is not None
-        box = fit_solver(scene, solver.rtol, variant=solver.variant, threads=solver.threads)
-        sized = replace(
-            solver, N=radial_nodes(box.N) if solver.method == "radial" else box.N, R=box.R
-        )
-        fitted = f"N={box.N} and R={box.R:g} hold the density to rtol={solver.rtol:g}"
-    chosen, reason = (sized, "") if solver.method != "auto" else choose_method(scene, sized)
-    return Choice(solver, chosen, "; ".join(part for part in (fitted, reason) if part))
-
-
-def choose_method(scene: Scene, solver: Solver) -> tuple[Solver, str]:
+def choose_method(scene: Scene, solver: SizedSolver) -> tuple[SizedSolver, str]:
     """The solver with a method for the scene, and why in a line."""
     plain = replace(solver, dealias=False, precision="double")  # which is all that the others know
     fast = replace(solver, method="fast")
@@ -81,8 +53,16 @@ def choose_method(scene: Scene, solver: Solver) -> tuple[Solver, str]:
             return replace(plain, method="radial", N=N), f"radial: {why}"
     if solver.rtol is not None:
         return fast, f"fast: {obstacle}, and no other method chooses directions for a tolerance"
-    candidates = [fast, replace(plain, method="direct"), _carleman(scene, plain)]
-    timed = [(estimate(scene, other, 1).each, other) for other in candidates if other is not None]
+    candidates = [
+        (FAST, fast),
+        (DIRECT, replace(plain, method="direct")),
+        (CARLEMAN, _carleman(scene, plain)),
+    ]
+    timed = [
+        (estimate(cost, scene, other, 1).each, other)
+        for cost, other in candidates
+        if other is not None
+    ]
     timed.sort(key=lambda pair: pair[0])
     allowed = next(seconds for seconds, other in timed if other is fast) / WORTH_IT
     chosen = timed[0][1] if timed[0][0] <= allowed else fast
@@ -95,7 +75,7 @@ def radial_nodes(N: int) -> int:
     return max(4, math.ceil(N / CARTESIAN_PER_RADIAL))
 
 
-def _carleman(scene: Scene, solver: Solver) -> Solver | None:
+def _carleman(scene: Scene, solver: SizedSolver) -> SizedSolver | None:
     """`carleman` with an error like that of `fast`, None where it cannot do the scene or has no such rule."""
     try:
         carleman_scenes.check_scene(scene)

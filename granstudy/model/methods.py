@@ -1,0 +1,67 @@
+"""What each method takes of a solver and leaves unused: one row a method, by its name in study files."""
+
+from dataclasses import dataclass
+
+QUADRATURE = frozenset({"N_rho", "M_sph", "M_cir", "sphere_rule", "radial_rule"})
+"""Fields that say the nodes of the quadrature in g; a tolerance chooses them."""
+
+PARTICLES = frozenset({"particles", "batches", "seed"})
+"""Fields of a simulation by particles."""
+
+PRODUCTS = frozenset({"dealias", "precision", "device"})
+"""Fields that say how the products of a sum over nodes are formed, and where."""
+
+
+@dataclass(frozen=True)
+class Method:
+    """What a method takes.
+
+    Attributes
+    ----------
+    takes : set of str
+        Fields of `Solver` that only some methods take.
+    unused : set of str
+        Fields that every solver has and that play no part in this method.
+    radial : bool
+        Whether its densities live on a `RadialGrid`, for which N counts speeds.
+    by_particles : bool
+        Whether it simulates particles and so has no collision operator.
+    chooses : bool
+        Whether it stands for another method, chosen for the scene.
+    free_radii : bool
+        Whether ``N_rho=None`` lets it take as many radii as its integral needs.
+    """
+
+    takes: frozenset[str] = frozenset()
+    unused: frozenset[str] = frozenset()
+    radial: bool = False
+    by_particles: bool = False
+    chooses: bool = False
+    free_radii: bool = False
+
+
+METHODS: dict[str, Method] = {
+    "auto": Method(takes=PRODUCTS | {"rtol"}, chooses=True),
+    "literal": Method(),
+    "direct": Method(unused=frozenset({"M_sph", "M_cir", "sphere_rule"}), free_radii=True),
+    "fast": Method(takes=PRODUCTS | {"rtol"}),
+    "radial": Method(takes=frozenset({"rtol"}), unused=QUADRATURE | {"variant"}, radial=True),
+    "carleman": Method(unused=frozenset({"N_rho", "radial_rule"})),
+    "dsmc": Method(
+        takes=PARTICLES,
+        unused=QUADRATURE | PRODUCTS | {"variant", "rtol", "circular"},
+        by_particles=True,
+    ),
+}
+"""All methods, in the order in which messages list them."""
+
+ONLY_SOME = frozenset().union(*(method.takes for method in METHODS.values()))
+"""Fields that only some methods take; the others leave them at their default."""
+
+
+def that_take(field: str) -> str:
+    """The methods that take a field, as a message says it: ``methods 'auto' and 'fast' take``."""
+    names = [repr(name) for name, method in METHODS.items() if field in method.takes]
+    if len(names) == 1:
+        return f"method {names[0]} takes"
+    return f"methods {(' and ' if len(names) == 2 else ', ').join(names)} take"
