@@ -21,8 +21,10 @@ FORKS = frozenset(
         "granstudy.model.methods",
     }
 )
-"""Modules that only choose between others, or say what can be chosen. They are neither followed nor hashed: whoever asks for a fingerprint
-names the branch that is taken. So a new method or a new row changes no run."""
+"""Modules that only choose between others, or say what can be chosen.
+
+They are neither followed nor hashed: whoever asks for a fingerprint names the branch that is taken. So a new
+method or a new row changes no run."""
 
 
 def fingerprint(modules: Iterable[str]) -> str:
