@@ -32,14 +32,10 @@ rooms on one floor do not know each other."""
 APART = {("trust", "collision"): "trust judges what any method computed, so it knows none"}
 """Rooms of which the first does not import the second, although it stands above it, and why."""
 
-FORKS = {
-    "granstudy.collision.operator": "takes one way or another by what the solver leaves open",
-    "granstudy.collision.choice.methods": "names the maker of every method; a run loads its own",
-    "granstudy.evolution.simulate": "takes the grid or the particles",
-    "granstudy.study.kinds": "names the modules that compute a kind of run",
-    "granstudy.study.run_key": "names the modules that a run's key hashes",
+SPELLS = {
+    "granstudy.support.fingerprint": "names the forks, which a run's key leaves out; it imports none",
 }
-"""Modules that only choose, and why: they alone may import inside a function, or by a string."""
+"""Modules that may spell the name of another in a string, and why. No module imports by one."""
 
 MODULE = r"granstudy(\.\w+)+(:\w+)?"
 """How a string spells a module, or a name in one."""
@@ -80,6 +76,7 @@ def imports(house: Path) -> list[Import]:
         for importer, path in files.items()
         for imported, how in {(_module(name, files), how) for name, how in _names(path)}
         if imported is not None and imported != importer
+        if how != "by string" or importer not in SPELLS
     )
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import scipy.fft
 
-from granstudy.collision.fast.adaptive.error import SIZES, aliasing
+from granstudy.collision.fast.adaptive.aliasing import SIZES, aliasing
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver
 from granstudy.support.errors import ToleranceError
