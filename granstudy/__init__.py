@@ -1,14 +1,14 @@
 """granstudy: parameter studies of granular gases with the fast Fourier spectral method."""
 
-from granstudy.collision import CollisionOperator, collision_operator
-from granstudy.collision.choice.cheapest import choose
 from granstudy.collision.choice.grid import fit_solver
 from granstudy.collision.fast.adaptive.plan import QuadraturePlan
+from granstudy.collision.operator import choose, collision_operator
+from granstudy.collision.protocol import CollisionOperator
 from granstudy.datasets.netcdf import read_dataset, write_dataset
 from granstudy.datasets.open_runs import final_values, open_runs, unstack_runs
-from granstudy.evolution.evolve import simulate
 from granstudy.evolution.forecast import Forecast, plan
 from granstudy.evolution.frames.physical import physical_density
+from granstudy.evolution.simulate import simulate
 from granstudy.evolution.stability import stability_limit
 from granstudy.model.kernel import VHS, hard_spheres, maxwell
 from granstudy.model.restitution import Viscoelastic

@@ -1,4 +1,4 @@
-"""Every parameter of a run, once: its symbol, its heading in tables, what stands for it where a run has none."""
+"""Every parameter of a run, once: symbol, heading in tables, and what stands for it where a run has none."""
 
 from dataclasses import dataclass
 from typing import Any

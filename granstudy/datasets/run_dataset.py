@@ -1,8 +1,9 @@
-"""Labelled datasets of runs, and NetCDF files that appear whole or not at all."""
+"""What the datasets of all runs have in common: coordinates, status, provenance, kept densities."""
 
 import json
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -11,79 +12,133 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from granstudy.evolution.times import TimeSettings
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.model.solver import Choice, Solver
 from granstudy.trust.flags import Status
+from granstudy.velocity.moments import COMPONENTS
 from granstudy.velocity.space import VelocitySpace
 
 CONVENTIONS = "CF-1.11"
 LIBRARIES = ("granstudy", "numpy", "scipy", "pyfftw", "numba", "xarray")
+"""Packages whose versions a dataset names."""
 
 
-def run_coordinates(
-    scene: Scene, solver: Solver, settings: TimeSettings | None = None
-) -> dict[str, Any]:
-    """Every parameter of a run as a scalar coordinate under the paper's symbol, in a path's order."""
-    coordinates: dict[str, Any] = {}
-    if callable(scene.restitution):
-        coordinates["restitution"] = repr(scene.restitution)
-    else:
-        coordinates["e"] = float(scene.restitution)
-    coordinates |= {
-        "exponent": scene.kernel.exponent,
-        "epsilon": float(scene.diffusion),
-        "N": solver.N,
-        "R": solver.R,
-    }
-    if solver.method == "dsmc":
-        return coordinates | {
-            "particles": solver.particles,
-            "batches": solver.batches,
-            "seed": solver.seed,
-            "method": solver.method,
+@dataclass(frozen=True)
+class Header:
+    """What a dataset says of a run that is known before its first step.
+
+    Attributes
+    ----------
+    title : str
+        What was computed, in a word or two.
+    scene : Scene
+    solver : Solver
+        What computed it; nothing is open.
+    times : mapping
+        Coordinates that say how the run goes through time.
+    attributes : mapping
+        What the dataset says of the choice of what the solver left open.
+    """
+
+    title: str
+    scene: Scene
+    solver: Solver
+    times: Mapping[str, Any] = field(default_factory=dict)
+    attributes: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def of(
+        cls, title: str, scene: Scene, choice: Choice, times: Mapping[str, Any] | None = None
+    ) -> "Header":
+        """The header of a run by the solver that was chosen."""
+        return cls(title, scene, choice.solver, times or {}, choice.attributes())
+
+    def coordinates(self) -> dict[str, Any]:
+        """Every parameter of the run as a scalar coordinate, in the order of a path."""
+        return {
+            **self.scene.coordinates(),
+            **self.solver.coordinates(self.scene.dim),
+            **self.times,
         }
-    coordinates |= _quadrature_coordinates(scene, solver)
-    coordinates |= {"variant": solver.variant, "method": solver.method}
-    if solver.rtol is None:
-        if scene.dim == 3:
-            coordinates["sphere_rule"] = solver.sphere_rule
-        coordinates["radial_rule"] = solver.radial_rule
-    coordinates |= {"dealias": solver.dealias, "precision": solver.precision}
-    if solver.device != "cpu":
-        coordinates["device"] = solver.device
-    if settings is not None:
-        coordinates |= settings.coordinates()
-    return coordinates
 
 
-def _quadrature_coordinates(scene: Scene, solver: Solver) -> dict[str, Any]:
-    """The tolerance, or the sizes that it takes the place of."""
-    if solver.rtol is not None:
-        return {"rtol": float(solver.rtol)}
-    coordinates: dict[str, Any] = {"N_rho": -1 if solver.N_rho is None else solver.N_rho}
-    if scene.dim == 3:
-        coordinates["M_sph"] = int(np.prod(solver.M_sph))
-        if isinstance(solver.M_sph, (tuple, list)):
-            coordinates["N_theta"], coordinates["N_phi"] = solver.M_sph
-    else:
-        coordinates["M_cir"] = solver.M_cir
-    return coordinates
+@dataclass(frozen=True)
+class Ending:
+    """How a run ended, why where it stopped early, and what there was to warn of."""
+
+    status: Status = Status.OK
+    reason: str = ""
+    warnings: Sequence[str] = ()
+
+
+@dataclass
+class Record:
+    """What a simulation leaves, filled output by output.
+
+    Attributes
+    ----------
+    times : list of float
+        Times of the outputs reached.
+    moments : list of dict
+        Moments of f at each (`granstudy.velocity.moments.moment_values`).
+    snapshots : dict of ndarray
+        Densities kept, by time.
+    health : list of dict
+        What was measured at each output, by the names of `granstudy.trust.health.SIGNS`.
+    plans : list of dict
+        Quadratures that a tolerance came to, each with the time it was in use from.
+    warnings : dict of str
+        What there was to say, by name: the first of each.
+    status, reason : Status, str
+        How it ended, and why where it stopped early.
+    """
+
+    times: list[float] = field(default_factory=list)
+    moments: list[dict[str, Any]] = field(default_factory=list)
+    snapshots: dict[float, np.ndarray] = field(default_factory=dict)
+    health: list[dict[str, float]] = field(default_factory=list)
+    plans: list[dict[str, Any]] = field(default_factory=list)
+    warnings: dict[str, str] = field(default_factory=dict)
+    status: Status = Status.OK
+    reason: str = ""
+
+    def warn(self, time: float, texts: Mapping[str, str]) -> None:
+        """Keep what is said for the first time, with the time."""
+        for name, text in texts.items():
+            self.warnings.setdefault(name, f"from t = {time:g}: {text}")
+
+    @property
+    def ending(self) -> Ending:
+        """How it ended, with what there was to warn of."""
+        return Ending(self.status, self.reason, tuple(self.warnings.values()))
+
+
+def labelled(values: Any, long_name: str, dims: str | Sequence[str] = (), **more: Any) -> Any:
+    """A dimensionless variable with its long name, as xarray takes it."""
+    return dims, values, {"long_name": long_name, "units": "1", **more}
+
+
+def time_axes(dim: int, times: Sequence[float] | np.ndarray) -> dict[str, Any]:
+    """Coordinates of moments over time: the times, and the components of vectors and tensors."""
+    components = list(COMPONENTS[:dim])
+    return {
+        "time": labelled(np.array(times), "time t", "time"),
+        "component": components,
+        "component_": components,
+    }
 
 
 def kept_densities(
-    grid: VelocitySpace, snapshots: dict[float, np.ndarray], rescaled: bool
+    grid: VelocitySpace, snapshots: Mapping[float, np.ndarray], rescaled: bool
 ) -> xr.Dataset:
-    """The densities f kept, or g over c in place of v."""
+    """The densities f that a run kept over ``snapshot``; of a rescaled one g over c in place of v."""
     name, long_name = (
         ("g", "density g = θ^d f over c = (v−u)/θ") if rescaled else ("f", "velocity density f")
     )
     values = np.array(list(snapshots.values()))
-    attributes = {"long_name": long_name, "units": "1"}
-    times = ("snapshot", list(snapshots), {"long_name": "time t", "units": "1"})
     ds = xr.Dataset(
-        {name: (("snapshot", *grid.axes), values, attributes)},
-        coords=grid.coordinates() | {"snapshot": times},
+        {name: labelled(values, long_name, ("snapshot", *grid.axes))},
+        coords=grid.coordinates() | {"snapshot": labelled(list(snapshots), "time t", "snapshot")},
     )
     return on_scaled_velocities(ds, grid.axes) if rescaled else ds
 
@@ -98,41 +153,39 @@ def on_scaled_velocities(ds: xr.Dataset, axes: tuple[str, ...]) -> xr.Dataset:
 
 
 def stamped(
-    ds: xr.Dataset,
-    scene: Scene,
-    solver: Solver,
-    settings: TimeSettings | None,
-    status: Status,
-    reason: str,
-    warnings: list[str],
-    title: str,
-    plans: Sequence[dict[str, Any]],
+    ds: xr.Dataset, header: Header, ending: Ending, plans: Sequence[dict[str, Any]] = ()
 ) -> xr.Dataset:
-    """The dataset with its status, every parameter as a coordinate, and what made it as attributes."""
+    """The dataset with its status, every parameter as a coordinate, and its provenance.
+
+    Parameters
+    ----------
+    plans : sequence of dict
+        Quadratures that a tolerance came to; they become the attribute `quadrature`.
+    """
     ds["status"] = (
         (),
-        np.int8(status),
+        np.int8(ending.status),
         {
             "long_name": "how the run ended",
             "flag_values": np.array([s.value for s in Status], dtype=np.int8),
             "flag_meanings": " ".join(s.name.lower() for s in Status),
-            "reason": reason,
-            "warnings": "\n".join(warnings),
+            "reason": ending.reason,
+            "warnings": "\n".join(ending.warnings),
         },
     )
-    ds = ds.assign_coords(run_coordinates(scene, solver, settings))
+    ds = ds.assign_coords(header.coordinates())
     ds.attrs = {
-        "title": f"granstudy {title}",
+        "title": f"granstudy {header.title}",
         "Conventions": CONVENTIONS,
         "history": f"granstudy {version('granstudy')}",
-        "scene": json.dumps(scene.describe(), sort_keys=True),
-        "solver": json.dumps(solver.describe(), sort_keys=True),
+        "scene": json.dumps(header.scene.describe(), sort_keys=True),
+        "solver": json.dumps(header.solver.describe(), sort_keys=True),
         "versions": json.dumps({name: version(name) for name in LIBRARIES}, sort_keys=True),
         "git_commit": git_commit(),
     }
     if plans:
         ds.attrs["quadrature"] = json.dumps(list(plans), sort_keys=True)
-    return ds
+    return ds.assign_attrs(header.attributes)
 
 
 @cache
@@ -141,7 +194,7 @@ def git_commit() -> str:
     try:
         answer = subprocess.run(
             ["git", "rev-parse", "HEAD"],
-            cwd=Path(__file__).parents[1],
+            cwd=Path(__file__).parents[2],
             capture_output=True,
             text=True,
             check=True,

@@ -3,35 +3,37 @@
 import dataclasses
 import math
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from granstudy.collision.carleman.operator import CarlemanOperator
-from granstudy.collision.choice.cheapest import choose
-from granstudy.collision.choice.cost import (
-    evaluation_seconds,
-    memory_mb,
-    on_threads,
-    reduced_count,
-    setup_seconds,
-    transform_count,
-)
-from granstudy.collision.fast.adaptive.operator import AdaptiveOperator
-from granstudy.collision.fast.adaptive.plan import QuadraturePlan
+from granstudy.collision.choice.cost import MethodCost, memory_mb, on_threads
+from granstudy.collision.choice.methods import OPERATORS
+from granstudy.collision.fast.adaptive.plan import QuadraturePlan, TunedOperator
 from granstudy.collision.fast.adaptive.retuning import CHECK_EVERY
-from granstudy.collision.operator import collision_operator
+from granstudy.collision.operator import choose, collision_operator
 from granstudy.evolution.schemes import SCHEMES
 from granstudy.evolution.times import TimeSettings
+from granstudy.model.methods import METHODS
 from granstudy.model.restitution import check_restitution
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
-from granstudy.particles.cost import particle_cost
+from granstudy.model.solver import SizedSolver, Solver
+from granstudy.particles.cost import EFFICIENCY, particle_cost
 from granstudy.particles.restitution_table import alpha_table
 from granstudy.theory import haff_constant
 
 NOT_TIMED = "seconds are those of device 'cpu'"
 """What is said of a run on a GPU: no constants of `granstudy.collision.choice.cost` are."""
+
+
+STEPS_PER_COLLISION = 5.0
+"""Steps of an adaptive run in a unit of collision time: 2 near e = 1, 10 where velocities shrink fast."""
+
+SECONDS_PER_STEP = 2.5e-4
+"""Of a step's moments and checks whatever the grid."""
+
+SECONDS_PER_STEP_POINT = 3.0e-8
+"""Of a step's sums, moments and checks, a grid point."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -87,9 +89,9 @@ class Forecast:
         return dataclasses.asdict(self)
 
     def __repr__(self) -> str:
-        if self.method == "dsmc":
+        if METHODS[self.method].by_particles:
             return (
-                f"Forecast: dsmc, box of N={self.N}, R={self.R:g} in {self.dim}D\n"
+                f"Forecast: {self.method}, box of N={self.N}, R={self.R:g} in {self.dim}D\n"
                 f"  the run: {self.collisions:.2g} collisions, {self.seconds:.2g} s on {self.threads} "
                 f"threads, {self.memory_mb} MB\n"
                 "  error: by the batches, when it has run"
@@ -132,52 +134,52 @@ def plan(
         raise ValueError(f"t_final={t_final!r}, dt={dt!r}: give both, or neither")
     steps, evaluations = 0, 1
     if t_final is not None:
-        settings = TimeSettings(t_final, dt, time_rtol, scheme=scheme)  # type: ignore[arg-type]
+        settings = TimeSettings(t_final, dt, time_rtol, scheme=scheme)
         steps = expected_steps(scene, settings)
         evaluations = expected_evaluations(scene, settings)
-    if solver.method == "dsmc":
+    if solver.traits.by_particles:
         if t_final is None:
             raise ValueError(
-                "t_final=None: method 'dsmc' has no evaluation of Q; give t_final and dt"
+                f"t_final=None: method {solver.method!r} has no evaluation of Q; give t_final and dt"
             )
-        return _plan_particles(scene, solver, t_final, len(settings.recorded) - 1)
+        return _plan_particles(scene, solver.sized(), t_final, len(settings.recorded) - 1)
     choice = choose(scene, solver)
-    solver = choice.solver
-    check_restitution(scene.restitution, largest_speed=solver.R)
-    quadrature, nodes, transforms, n = _count(scene, solver)
-    one_thread = evaluation_seconds(scene, solver, transforms, n)
-    threads = solver.thread_count
-    each = on_threads(one_thread, solver.method, threads)
+    chosen, cost = choice.solver, OPERATORS[choice.solver.method].cost
+    check_restitution(scene.restitution, largest_speed=chosen.R)
+    count = _count(scene, chosen, cost)
+    one_thread = cost.seconds(scene, chosen, count.transforms, count.n)
+    threads = chosen.thread_count
+    each = on_threads(one_thread, cost.efficiency, threads)
     # A tolerance is checked now and then by a finer quadrature, at about a step's time.
-    checks = 3 * steps / CHECK_EVERY if solver.rtol is not None and quadrature else 0.0
-    seconds = on_threads(setup_seconds(scene, solver, one_thread), solver.method, threads)
-    seconds += (evaluations + checks) * each + steps * step_seconds(scene, solver)
-    reasons = [choice.reason, NOT_TIMED if solver.device == "gpu" else ""]
+    checks = 3 * steps / CHECK_EVERY if count.plan is not None else 0.0
+    seconds = on_threads(cost.setup(scene, chosen, one_thread), cost.efficiency, threads)
+    seconds += (evaluations + checks) * each + steps * step_seconds(scene, chosen)
+    reasons = [choice.reason, NOT_TIMED if chosen.device == "gpu" else ""]
     return Forecast(
-        method=solver.method,
+        method=chosen.method,
         reason="; ".join(filter(None, reasons)),
         dim=scene.dim,
-        N=solver.N,
-        R=float(solver.R),
-        nodes=nodes,
-        transforms=transforms,
-        n=n,
+        N=chosen.N,
+        R=float(chosen.R),
+        nodes=count.nodes,
+        transforms=count.transforms,
+        n=count.n,
         threads=threads,
         seconds_per_evaluation=each,
         evaluations=evaluations,
         seconds=seconds,
-        memory_mb=memory_mb(scene, solver, transforms),
-        error=quadrature.error if quadrature else None,
-        plan=quadrature,
+        memory_mb=memory_mb(cost.numbers(scene, chosen, count.transforms)),
+        error=count.plan.error if count.plan else None,
+        plan=count.plan,
     )
 
 
-def _plan_particles(scene: Scene, solver: Solver, t_final: float, steps: int) -> Forecast:
+def _plan_particles(scene: Scene, solver: SizedSolver, t_final: float, steps: int) -> Forecast:
     alpha_table(scene.restitution, solver.R)
     cost, collisions = particle_cost(scene, solver, t_final, steps + 1)
     threads = solver.thread_count
     return Forecast(
-        method="dsmc",
+        method=solver.method,
         reason="",
         dim=scene.dim,
         N=solver.N,
@@ -188,7 +190,7 @@ def _plan_particles(scene: Scene, solver: Solver, t_final: float, steps: int) ->
         threads=threads,
         seconds_per_evaluation=0.0,
         evaluations=0,
-        seconds=on_threads(cost.seconds, "dsmc", threads),
+        seconds=on_threads(cost.seconds, EFFICIENCY, threads),
         memory_mb=cost.memory_mb,
         error=None,
         plan=None,
@@ -196,36 +198,26 @@ def _plan_particles(scene: Scene, solver: Solver, t_final: float, steps: int) ->
     )
 
 
-def _count(scene: Scene, solver: Solver) -> tuple[QuadraturePlan | None, int, int, int]:
-    """The quadrature planned, the nodes, the exact number of transforms and their points a dimension."""
+class _Count(NamedTuple):
+    """Nodes and transforms of an evaluation, their points a dimension, and the quadrature planned."""
+
+    nodes: int
+    transforms: int
+    n: int
+    plan: QuadraturePlan | None = None
+
+
+def _count(scene: Scene, solver: SizedSolver, cost: MethodCost) -> _Count:
+    """Count what an evaluation makes; where that is known only then, by making the operator."""
     solver = replace(solver, device="cpu")  # the same sums, known without a GPU
-    if solver.operator == "adaptive" or solver.method == "carleman":
-        # How many they take is known when they are made.
-        operator = collision_operator(scene, solver)
-        if isinstance(operator, AdaptiveOperator):
-            made = operator.plan
-            return made, made.nodes, operator.transforms, made.n
-        assert isinstance(operator, CarlemanOperator)
-        return None, operator.transforms // 2 - 1, operator.transforms, solver.N
-    transforms = transform_count(scene, solver)
-    if solver.method == "fast":
-        assert solver.N_rho is not None
-        points = solver.product_points
-        return None, solver.N_rho * reduced_count(scene, solver), transforms, points
-    nodes = transforms // 2 - 1 if solver.method == "literal" else 0
-    return None, nodes, transforms, solver.N
-
-
-STEPS_PER_COLLISION = 5.0
-"""Steps of an adaptive run in a unit of collision time: 2 near e = 1, 10 where velocities shrink fast."""
-
-
-SECONDS_PER_STEP = 2.5e-4
-"""Of a step's moments and checks whatever the grid."""
-
-
-SECONDS_PER_STEP_POINT = 3.0e-8
-"""Of a step's sums, moments and checks, a grid point."""
+    if cost.exact(solver):
+        n = solver.product_points
+        return _Count(cost.nodes(scene, solver), cost.transforms(scene, solver), n)
+    operator = collision_operator(scene, solver)
+    if isinstance(operator, TunedOperator):
+        plan = operator.plan
+        return _Count(plan.nodes, operator.transforms, plan.n, plan)
+    return _Count(operator.transforms // 2 - 1, operator.transforms, solver.N)
 
 
 def expected_steps(scene: Scene, settings: TimeSettings) -> int:
@@ -250,7 +242,7 @@ def expected_evaluations(scene: Scene, settings: TimeSettings) -> int:
     return each * expected_steps(scene, settings)
 
 
-def step_seconds(scene: Scene, solver: Solver) -> float:
+def step_seconds(scene: Scene, solver: SizedSolver) -> float:
     """Seconds that a step takes beside its evaluations."""
-    points = solver.N if solver.method == "radial" else solver.N**scene.dim
+    points = solver.N if solver.traits.radial else solver.N**scene.dim
     return SECONDS_PER_STEP + SECONDS_PER_STEP_POINT * points

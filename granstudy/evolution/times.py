@@ -23,7 +23,7 @@ PER_DECADE = 10
 """Outputs a decade of an adaptive run."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class TimeSettings:
     """How a run goes through time; see `granstudy.simulate`.
 
@@ -34,45 +34,55 @@ class TimeSettings:
     """
 
     t_final: float
-    dt: float | None = None
-    time_rtol: float | None = None
-    times: Sequence[float] | np.ndarray | None = None
-    frame: str = "fixed"
-    scheme: str = None  # type: ignore[assignment]  # a name from __post_init__ on
-    conserve: Sequence[str] = ()
-    save_every: int | None = None
+    dt: float | None
+    time_rtol: float | None
+    times: Sequence[float] | np.ndarray | None
+    frame: str
+    scheme: str
+    conserve: tuple[str, ...]
+    save_every: int | None
 
-    def __post_init__(self) -> None:
-        check_positive("t_final", self.t_final)
-        if (self.dt is None) == (self.time_rtol is None):
+    def __init__(
+        self,
+        t_final: float,
+        dt: float | None = None,
+        time_rtol: float | None = None,
+        times: Sequence[float] | np.ndarray | None = None,
+        frame: str = "fixed",
+        scheme: str | None = None,
+        conserve: Sequence[str] = (),
+        save_every: int | None = None,
+    ) -> None:
+        check_positive("t_final", t_final)
+        if (dt is None) == (time_rtol is None):
             raise ValueError(
-                f"dt={self.dt!r}, time_rtol={self.time_rtol!r}: give one, a step or its tolerance"
+                f"dt={dt!r}, time_rtol={time_rtol!r}: give one, a step or its tolerance"
             )
-        if self.frame not in FRAMES:
-            raise unknown_name("frame", self.frame, FRAMES)
-        if self.scheme is None:
-            object.__setattr__(self, "scheme", "rk3" if self.time_rtol is None else "dopri54")
-        if self.scheme not in SCHEMES:
-            raise unknown_name("scheme", self.scheme, list(SCHEMES))
-        if isinstance(self.conserve, str) or not isinstance(self.conserve, Sequence):
-            allowed = ", ".join(INVARIANTS)
-            raise ValueError(f"conserve={self.conserve!r}: must be a sequence out of {allowed}")
-        for name in self.conserve:
-            if name not in INVARIANTS:
-                raise unknown_name("invariant in conserve", name, INVARIANTS)
-        ordered = tuple(name for name in INVARIANTS if name in self.conserve)
-        object.__setattr__(self, "conserve", ordered)
-        every = self.save_every
-        if every is not None and (not isinstance(every, int) or every < 1):
-            raise ValueError(f"save_every={every!r}: must be a positive integer or None")
-        if self.time_rtol is None:
-            _ = self.steps
-            if self.times is not None:
-                raise ValueError(
-                    f"times={self.times!r}: only with time_rtol; with dt every step is an output"
-                )
-        else:
+        if frame not in FRAMES:
+            raise unknown_name("frame", frame, FRAMES)
+        if scheme is None:
+            scheme = "rk3" if time_rtol is None else "dopri54"
+        if scheme not in SCHEMES:
+            raise unknown_name("scheme", scheme, list(SCHEMES))
+        if save_every is not None and (not isinstance(save_every, int) or save_every < 1):
+            raise ValueError(f"save_every={save_every!r}: must be a positive integer or None")
+        fields: dict[str, Any] = {
+            "t_final": t_final,
+            "dt": dt,
+            "time_rtol": time_rtol,
+            "times": times,
+        }
+        fields |= {"frame": frame, "scheme": scheme, "conserve": invariants(conserve)}
+        for name, value in (fields | {"save_every": save_every}).items():
+            object.__setattr__(self, name, value)
+        if time_rtol is not None:
             self._check_adaptive()
+            return
+        _ = self.steps
+        if times is not None:
+            raise ValueError(
+                f"times={times!r}: only with time_rtol; with dt every step is an output"
+            )
 
     def _check_adaptive(self) -> None:
         rtol = self.time_rtol
@@ -88,6 +98,11 @@ class TimeSettings:
                 raise ValueError(
                     f"times={self.times!r}: the last must be t_final={self.t_final!r} at most"
                 )
+
+    @property
+    def rescaled(self) -> bool:
+        """Whether velocities are scaled with the gas."""
+        return self.frame == "rescaled"
 
     @property
     def steps(self) -> int:
@@ -122,6 +137,17 @@ class TimeSettings:
         return {"frame": self.frame, "scheme": self.scheme, "conserve": conserve, **step}
 
 
+def invariants(conserve: Sequence[str]) -> tuple[str, ...]:
+    """Invariants to conserve in the order of `INVARIANTS`, or ValueError for another name."""
+    if isinstance(conserve, str) or not isinstance(conserve, Sequence):
+        allowed = ", ".join(INVARIANTS)
+        raise ValueError(f"conserve={conserve!r}: must be a sequence out of {allowed}")
+    for name in conserve:
+        if name not in INVARIANTS:
+            raise unknown_name("invariant in conserve", name, INVARIANTS)
+    return tuple(name for name in INVARIANTS if name in conserve)
+
+
 def step_count(t_final: float, dt: float) -> int:
     """Number of steps, or ValueError where ``t_final`` is not a whole number of them."""
     for field, value in (("t_final", t_final), ("dt", dt)):
@@ -143,13 +169,13 @@ def check_conserve(conserve: Sequence[str], restitution: Restitution, frame: str
 
 def check_frame(scene: Scene, solver: Solver, settings: TimeSettings) -> None:
     """Raise ValueError for what a frame or conservation cannot do with a scene and a solver."""
-    if solver.method == "dsmc" and (settings.frame != "fixed" or settings.conserve):
+    if solver.traits.by_particles and (settings.frame != FRAMES[0] or settings.conserve):
         raise ValueError(
-            f"frame={settings.frame!r}, conserve={settings.conserve!r}: method 'dsmc' needs neither; "
-            "particles keep mass and momentum, and cool without a grid"
+            f"frame={settings.frame!r}, conserve={settings.conserve!r}: method {solver.method!r} needs "
+            "neither; particles keep mass and momentum, and cool without a grid"
         )
     check_conserve(settings.conserve, scene.restitution, settings.frame)
-    if settings.frame == "rescaled" and callable(scene.restitution) and solver.rtol is not None:
+    if settings.rescaled and callable(scene.restitution) and solver.rtol is not None:
         raise ValueError(
             f"rtol={solver.rtol!r}: not where a rescaled frame changes the scale of "
             f"restitution={scene.restitution!r}; give N_rho and M_sph (M_cir)"

@@ -28,7 +28,6 @@ def check_isotropic(scene: Scene, R: float) -> None:
             f"restitution={scene.restitution!r}: method 'radial' takes a constant, not a function of "
             "the impact speed; take method 'fast'"
         )
-    assert callable(scene.initial)
     speeds = BALL_RATIO * R * (np.arange(SPEEDS) + 0.5) / SPEEDS
     v = [np.outer(speeds, component) for component in directions(scene.dim).T]
     f = np.asarray(scene.initial(*v))

@@ -16,11 +16,11 @@ from granstudy.model.restitution import Restitution, check_restitution
 from granstudy.model.stated_moments import StatedMoments
 from granstudy.support.errors import unknown_name
 from granstudy.velocity.cartesian import VelocityGrid
-from granstudy.velocity.space import VelocitySpace
+from granstudy.velocity.space import VelocitySpace, check_dim
 from granstudy.velocity.symmetry import Symmetry
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Scene:
     """What is modelled: ∂t f − ε Δv f = Q(f,f), f(0) = initial.
 
@@ -49,31 +49,39 @@ class Scene:
     """
 
     dim: int
-    initial: str | Callable[..., np.ndarray]
+    initial: Callable[..., np.ndarray]
     kernel: VHS
-    restitution: Restitution = 1.0
-    diffusion: float = 0.0
-    symmetry: Symmetry = None  # type: ignore[assignment]  # a Symmetry from __post_init__ on
+    restitution: Restitution
+    diffusion: float
+    symmetry: Symmetry
 
-    def __post_init__(self) -> None:
-        if self.dim not in (2, 3):
-            raise ValueError(f"dim={self.dim!r}: allowed are 2 and 3")
-        if not isinstance(self.kernel, VHS):
-            raise ValueError(f"kernel={self.kernel!r}: must be a granstudy.VHS")
-        check_restitution(self.restitution)
+    def __init__(
+        self,
+        dim: int,
+        initial: str | Callable[..., np.ndarray],
+        kernel: VHS,
+        restitution: Restitution = 1.0,
+        diffusion: float = 0.0,
+        symmetry: Symmetry | str | None = None,
+    ) -> None:
+        check_dim(dim)
+        if not isinstance(kernel, VHS):
+            raise ValueError(f"kernel={kernel!r}: must be a granstudy.VHS")
+        check_restitution(restitution)
         if (
-            isinstance(self.diffusion, bool)
-            or not isinstance(self.diffusion, (int, float, np.number))
-            or not (np.isfinite(self.diffusion) and self.diffusion >= 0.0)
+            isinstance(diffusion, bool)
+            or not isinstance(diffusion, (int, float, np.number))
+            or not (np.isfinite(diffusion) and diffusion >= 0.0)
         ):
-            raise ValueError(f"diffusion={self.diffusion!r}: must be a number of at least 0")
-        if not callable(self.initial):
-            make = named_density(self.initial)
-            object.__setattr__(self, "initial", make())
-        own_dim = getattr(self.initial, "dim", self.dim)
-        if own_dim != self.dim:
-            raise ValueError(f"initial={self.initial!r}: has dim {own_dim}, the scene {self.dim}")
-        object.__setattr__(self, "symmetry", self._group(self.symmetry))
+            raise ValueError(f"diffusion={diffusion!r}: must be a number of at least 0")
+        density = initial if callable(initial) else named_density(initial)()
+        own_dim = getattr(density, "dim", dim)
+        if own_dim != dim:
+            raise ValueError(f"initial={density!r}: has dim {own_dim}, the scene {dim}")
+        fields = {"dim": dim, "initial": density, "kernel": kernel, "restitution": restitution}
+        for name, value in (fields | {"diffusion": diffusion}).items():
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "symmetry", self._group(symmetry))
 
     def _group(self, declared: Symmetry | str | None) -> Symmetry:
         if declared is None:
@@ -101,11 +109,16 @@ class Scene:
         """
         if grid.dim != self.dim:
             raise ValueError(f"grid has dim {grid.dim}: the scene has dim {self.dim}")
-        assert callable(self.initial)
         f = check_density(np.asarray(self.initial(*grid.velocities())), grid)
         if isinstance(grid, VelocityGrid):
             self.symmetry.check(f, f"initial={self.initial!r}")
         return f
+
+    def coordinates(self) -> dict[str, Any]:
+        """What is swept of a scene, by the names of `granstudy.datasets.parameters`."""
+        e = self.restitution
+        law = {"restitution": repr(e)} if callable(e) else {"e": float(e)}
+        return {**law, "exponent": self.kernel.exponent, "epsilon": float(self.diffusion)}
 
     def describe(self) -> dict[str, Any]:
         """The scene as plain data, for a dataset's attributes."""

@@ -241,6 +241,40 @@ class Solver:
         """Threads to use."""
         return self.threads or len(os.sched_getaffinity(0))
 
+    def coordinates(self, dim: int) -> dict[str, Any]:
+        """What is swept of a solver and plays a part, by the names of `granstudy.datasets.parameters`."""
+        grid: dict[str, Any] = {"N": self.N, "R": self.R}
+        if self.traits.by_particles:
+            sizes = {"particles": self.particles, "batches": self.batches, "seed": self.seed}
+            return grid | sizes | {"method": self.method}
+        rules: dict[str, Any] = {}
+        if self.rtol is None:
+            rules = {"sphere_rule": self.sphere_rule} if dim == 3 else {}
+            rules["radial_rule"] = self.radial_rule
+        device = {"device": self.device} if self.device != DEVICES[0] else {}
+        return {
+            **grid,
+            **self._quadrature_coordinates(dim),
+            "variant": self.variant,
+            "method": self.method,
+            **rules,
+            "dealias": self.dealias,
+            "precision": self.precision,
+            **device,
+        }
+
+    def _quadrature_coordinates(self, dim: int) -> dict[str, Any]:
+        """The tolerance, or the sizes that it takes the place of."""
+        if self.rtol is not None:
+            return {"rtol": float(self.rtol)}
+        N_rho = -1 if self.N_rho is None else self.N_rho
+        if dim == 2:
+            return {"N_rho": N_rho, "M_cir": self.M_cir}
+        if isinstance(self.M_sph, int):
+            return {"N_rho": N_rho, "M_sph": self.M_sph}
+        N_theta, N_phi = self.M_sph
+        return {"N_rho": N_rho, "M_sph": N_theta * N_phi, "N_theta": N_theta, "N_phi": N_phi}
+
     def describe(self) -> dict[str, Any]:
         """The solver as plain data, for a dataset's attributes.
 

@@ -10,7 +10,7 @@ from scipy.special import gamma
 from granstudy.collision.choice.cost import INTERPRETER_MB, Cost
 from granstudy.model.kernel import VHS
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.model.solver import SizedSolver, Solver
 from granstudy.particles.batch import COLLISIONS_A_STEP, HEATING_SPLIT
 from granstudy.theory import gaussian_cooling_coefficient
 from granstudy.velocity.sphere import sphere_area
@@ -38,6 +38,10 @@ SECONDS_PER_CALL = 5.0e-5
 """Of recording one batch once, whatever its size."""
 
 
+EFFICIENCY = 0.9
+"""What each thread after the first adds, in parts of the first: batches share nothing but memory."""
+
+
 @dataclass(frozen=True)
 class Expected:
     """What the gas is expected to do: collisions and heating steps of each particle, on average."""
@@ -46,7 +50,9 @@ class Expected:
     heating_steps: float
 
 
-def particle_cost(scene: Scene, solver: Solver, t_final: float, records: int) -> tuple[Cost, int]:
+def particle_cost(
+    scene: Scene, solver: SizedSolver, t_final: float, records: int
+) -> tuple[Cost, int]:
     """Cost on one thread of a run with so many recorded times, and the collisions expected in it."""
     assert solver.particles is not None
     expected = expect(scene, solver, t_final)

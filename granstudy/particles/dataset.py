@@ -1,18 +1,23 @@
 """The dataset of a simulation by particles: means over batches with their standard errors."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from granstudy.datasets.run_dataset import kept_densities, stamped
-from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.datasets.run_dataset import (
+    Ending,
+    Header,
+    kept_densities,
+    labelled,
+    stamped,
+    time_axes,
+)
 from granstudy.support.errors import unknown_name
 from granstudy.trust.exact_law import add_exact_law
-from granstudy.trust.flags import Status
 from granstudy.trust.health import health_variables
-from granstudy.velocity.moments import COMPONENTS, DIMENSIONS, LONG_NAMES
+from granstudy.velocity.moments import DIMENSIONS, LONG_NAMES
 from granstudy.velocity.space import VelocitySpace
 
 BY_BATCH = ("temperature", "a2")
@@ -20,50 +25,55 @@ BY_BATCH = ("temperature", "a2")
 
 
 def particle_dataset(
-    scene: Scene,
-    solver: Solver,
+    header: Header,
     grid: VelocitySpace,
     times: np.ndarray,
-    by_batch: dict[str, np.ndarray],
-    snapshots: dict[float, np.ndarray],
-    status: Status,
-    reason: str,
-    warnings: list[str],
-    health_outputs: list[dict[str, float]],
+    by_batch: Mapping[str, np.ndarray],
+    snapshots: Mapping[float, np.ndarray],
+    health: Sequence[dict[str, float]],
+    ending: Ending,
 ) -> xr.Dataset:
-    """Dataset of a simulation by particles: as `evolution_dataset`, with standard errors.
+    """Dataset of a simulation by particles: as of one on a grid, with standard errors.
 
-    ``by_batch`` holds every moment of every batch, shape (batches, times, ...). Each becomes its mean over
-    batches and a `<name>_standard_error`; of `BY_BATCH` the batches' own values are kept, too, as
-    `<name>_by_batch`. The exact temperature law and `temperature_error`, the distance from it, are those of
-    `evolution_dataset`.
+    Parameters
+    ----------
+    header : Header
+    grid : VelocitySpace
+        Cells that the kept densities are counted in.
+    times : ndarray, shape (times,)
+    by_batch : mapping of ndarray, shape (batches, times, ...)
+        Every moment of every batch. Each becomes its mean over batches and a `<name>_standard_error`; of
+        `BY_BATCH` the batches' own values are kept, too, as `<name>_by_batch`.
+    snapshots : mapping of ndarray
+        Densities kept, by time.
+    health : sequence of dict
+        What was measured at each time, by the names of `granstudy.trust.health.SIGNS`.
+    ending : Ending
+
+    See Also
+    --------
+    granstudy.evolution.dataset.evolution_dataset : also on the exact laws that stand beside.
     """
-    components = list(COMPONENTS[: grid.dim])
     long_names = LONG_NAMES | {"collisions": "collisions that a particle has had"}
     data: dict[str, Any] = {}
     for name, values in by_batch.items():
         dims = ("time", *DIMENSIONS.get(name, ()))
-        attributes = {"long_name": long_names[name], "units": "1"}
-        data[name] = (dims, values.mean(axis=0), attributes)
-        attributes = {"long_name": f"standard error of {name} over batches", "units": "1"}
-        data[f"{name}_standard_error"] = (dims, standard_error(values), attributes)
+        data[name] = labelled(values.mean(axis=0), long_names[name], dims)
+        data[f"{name}_standard_error"] = labelled(
+            standard_error(values), f"standard error of {name} over batches", dims
+        )
         if name in BY_BATCH:
-            attributes = {"long_name": f"{long_names[name]}, of each batch", "units": "1"}
-            data[f"{name}_by_batch"] = (("time", "batch"), values.T, attributes)
-    ds = xr.Dataset(
-        data,
-        coords={
-            "time": ("time", times, {"long_name": "time t", "units": "1"}),
-            "component": components,
-            "component_": components,
-            "batch": np.arange(solver.batches),
-        },
-    )
-    add_exact_law(ds, scene)
+            data[f"{name}_by_batch"] = labelled(
+                values.T, f"{long_names[name]}, of each batch", ("time", "batch")
+            )
+    batches = next(iter(by_batch.values())).shape[0]
+    axes = time_axes(grid.dim, times) | {"batch": np.arange(batches)}
+    ds = xr.Dataset(data, coords=axes)
+    add_exact_law(ds, header.scene)
     if snapshots:
         ds = ds.assign(kept_densities(grid, snapshots, rescaled=False))
-    ds = ds.assign(health_variables(health_outputs, reason))
-    return stamped(ds, scene, solver, None, status, reason, warnings, "particles", ())
+    ds = ds.assign(health_variables(health, ending.reason))
+    return stamped(ds, header, ending)
 
 
 def standard_error(by_batch: np.ndarray) -> np.ndarray:

@@ -1,7 +1,5 @@
 """Velocities drawn from an initial density by rejection, cell by cell of a grid (docs/particles.md §2)."""
 
-from collections.abc import Callable
-
 import numpy as np
 from scipy.ndimage import maximum_filter
 
@@ -32,8 +30,7 @@ class Sampler:
     """
 
     def __init__(self, scene: Scene, grid: VelocityGrid) -> None:
-        assert callable(scene.initial)
-        self._initial: Callable[..., np.ndarray] = scene.initial
+        self._initial = scene.initial
         self._grid = grid
         centres = scene.density(grid)
         self._zero = -NEGATIVE * centres.max()

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from tqdm import tqdm
 
+from granstudy.datasets.run_dataset import Ending, Header
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.particles.batch import Batch, Gas, HardImpactError, history
@@ -22,7 +23,7 @@ LEAST_TEMPERATURE = 1e-150
 
 
 @dataclass(frozen=True)
-class Record:
+class BatchRecord:
     """What one batch leaves: its moments at the times it reached, cell counts by time, why it ended."""
 
     moments: list[dict[str, Any]]
@@ -61,8 +62,9 @@ def simulate_particles(
         For a bad scene, solver or time, before any work starts; and for a run that ends before the
         first of its times.
     """
-    if solver.method != "dsmc":
+    if not solver.traits.by_particles:
         raise ValueError(f"method={solver.method!r}: simulate_particles needs method 'dsmc'")
+    solver = solver.sized()
     times = _checked_times(times)
     assert solver.particles is not None
     grid = solver.grid(scene.dim)
@@ -72,7 +74,7 @@ def simulate_particles(
     n = solver.particles // solver.batches
     kept = _kept(times, save_every)
 
-    def run(rng: np.random.Generator) -> Record:
+    def run(rng: np.random.Generator) -> BatchRecord:
         batch = Batch(gas, quiet(sampler.draw(n, rng), pressure / density), rng)
         moments: list[dict[str, Any]] = []
         counts: dict[float, np.ndarray] = {}
@@ -82,8 +84,8 @@ def simulate_particles(
                 if time in kept:
                     counts[time] = batch.cell_counts(grid.N, grid.L)
         except HardImpactError as error:
-            return Record(moments, counts, str(error))
-        return Record(moments, counts, "")
+            return BatchRecord(moments, counts, str(error))
+        return BatchRecord(moments, counts, "")
 
     streams = np.random.SeedSequence(solver.seed).spawn(solver.batches)
     with ThreadPoolExecutor(min(solver.thread_count, solver.batches)) as pool:
@@ -120,7 +122,7 @@ def _dataset(
     grid: VelocityGrid,
     gas: Gas,
     times: np.ndarray,
-    records: list[Record],
+    records: list[BatchRecord],
 ) -> xr.Dataset:
     """The batches together, up to the time that all of them reached."""
     count = min(len(record.moments) for record in records)
@@ -146,13 +148,12 @@ def _dataset(
         if time in reached
     }
     by_batch = {name: values[:, :count] for name, values in by_batch.items()}
-    status = Status.DIVERGED if reason else Status.OK
     bias = expected_bias(scene.dim, solver)
     warnings = bias_warning(by_batch["a2"][:, reached > 0.0], bias)
-    return particle_dataset(
-        scene, solver, grid, reached, by_batch, snapshots, status, reason, warnings,
-        state_of_health(by_batch["temperature"], by_batch["a2"], bias),
-    )  # fmt: skip
+    ending = Ending(Status.DIVERGED if reason else Status.OK, reason, warnings)
+    health = state_of_health(by_batch["temperature"], by_batch["a2"], bias)
+    header = Header("particles", scene, solver)
+    return particle_dataset(header, grid, reached, by_batch, snapshots, health, ending)
 
 
 def state_of_health(T: np.ndarray, a2: np.ndarray, bias: float) -> list[dict[str, float]]:

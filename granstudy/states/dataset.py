@@ -6,40 +6,21 @@ import numpy as np
 import xarray as xr
 
 from granstudy import theory
-from granstudy.datasets.run_dataset import on_scaled_velocities, stamped
+from granstudy.datasets.run_dataset import (
+    Ending,
+    Header,
+    labelled,
+    on_scaled_velocities,
+    stamped,
+)
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
 from granstudy.states.equation import Gas, SteadyEquation
 from granstudy.states.newton import Solution
 from granstudy.states.tail import tail_slope
 from granstudy.trust.flags import Status
 from granstudy.trust.health import HEALTH_NAMES, trust_variable, verdict
-from granstudy.velocity.moments import COMPONENTS
+from granstudy.velocity.moments import COMPONENTS, DIMENSIONS
 from granstudy.velocity.space import VelocitySpace
-
-
-def state_dataset(
-    ds: xr.Dataset,
-    scene: Scene,
-    solver: Solver,
-    reason: str,
-    health: dict[str, float],
-    title: str,
-) -> xr.Dataset:
-    """The variables of a state that was solved for, with a run's coordinates, health and attributes.
-
-    ``reason``: why it is no state, empty where it is one. ``health`` by the names of `HEALTH_NAMES`.
-    """
-    status = Status.FAILED if reason else Status.OK
-    measured = {
-        variable: ((), health[name], {"long_name": long_name, "units": "1"})
-        for name, (variable, long_name) in HEALTH_NAMES.items()
-        if name in health
-    }
-    _, warnings = verdict([health], "")
-    ds = ds.assign(measured | trust_variable([health], reason))
-    return stamped(ds, scene, solver, None, status, reason, warnings, title, ())
-
 
 LONG_NAMES = {
     "density": "density ρ",
@@ -55,65 +36,98 @@ LONG_NAMES = {
 }
 
 
-def state_variables(
-    scene: Scene, gas: Gas, equation: SteadyEquation, found: Solution, heated: bool
-) -> tuple[xr.Dataset, str]:
-    """The state as labelled variables, and why it is none."""
-    grid, exponent = equation.grid, scene.kernel.exponent
-    g, s, m = equation.split(found.x)
+def state_dataset(
+    header: Header,
+    gas: Gas,
+    equation: SteadyEquation,
+    found: Solution,
+    health: dict[str, float],
+    heated: bool,
+) -> xr.Dataset:
+    """Dataset of a state that was solved for, with a run's coordinates, health and attributes.
+
+    Parameters
+    ----------
+    header : Header
+    gas, equation, found
+        What was asked for, the equation, and the last iterate.
+    health : dict
+        What was measured of it, by the names of `granstudy.trust.health.HEALTH_NAMES`.
+    """
+    grid, exponent = equation.grid, header.scene.kernel.exponent
+    g, _, _ = equation.split(found.x)
+    values = state_values(header.scene, gas, equation, found, heated)
     reason = found.reason
+    if not reason and values["cooling_rate"] <= 0.0:
+        rate = values["cooling_rate"]  # θ is 1 here
+        reason = f"the density found is heated by collisions, −T'/T = {rate:.3g}"
+    held = xr.Dataset(
+        {"g": labelled(g, "density g = θ^d f over c = (v−u)/θ", grid.axes)},
+        coords=grid.coordinates(),
+    )
+    ds = on_scaled_velocities(held, grid.axes).assign(
+        {
+            name: labelled(values[name], long_name, DIMENSIONS.get(name, ()))
+            for name, long_name in LONG_NAMES.items()
+        }
+    )
+    ds = ds.assign_coords(component=list(COMPONENTS[: grid.dim]))
+    ds = _with_tail(ds, g, grid, gas.temperature, 1.0 + exponent / 2 if heated else exponent)
+    ds["residual"] = labelled(
+        np.array(found.sizes),
+        "largest residual over that of what balances collisions",
+        "iteration",
+    )
+    ds = ds.assign_coords(iteration=np.arange(len(found.sizes)))
+    measured = {
+        variable: labelled(health[name], long_name)
+        for name, (variable, long_name) in HEALTH_NAMES.items()
+        if name in health
+    }
+    ds = ds.assign(measured | trust_variable([health], reason))
+    _, warnings = verdict([health], "")
+    status = Status.FAILED if reason else Status.OK
+    return stamped(ds, header, Ending(status, reason, warnings))
+
+
+def state_values(
+    scene: Scene, gas: Gas, equation: SteadyEquation, found: Solution, heated: bool
+) -> dict[str, Any]:
+    """The numbers of a state, by the names of `LONG_NAMES`."""
+    exponent = scene.kernel.exponent
+    g, s, m = equation.split(found.x)
     # T_Q = 2sT_g balances ∇c·(c g), T_Q = −2s balances Δg: collisions cool where s < 0, s > 0.
     cooling_rate = 2.0 * s / gas.temperature if heated else -2.0 * s
-    if not reason and cooling_rate <= 0.0:
-        reason = f"the density found is heated by collisions, −T'/T = {cooling_rate:.3g}"
-    K = cooling_rate / (gas.density * gas.temperature ** (exponent / 2))
     theta = float((scene.diffusion / s) ** (1.0 / (2.0 + exponent))) if heated and s > 0.0 else 1.0
-    power = 1.0 + exponent / 2 if heated else exponent
-    tail = tail_slope(g, grid, gas.temperature, power)
-    a2, a3 = theory.sonine_coefficients(_even_moments(g, grid))
-    values: dict[str, Any] = {
+    a2, a3 = theory.sonine_coefficients(_even_moments(g, equation.grid))
+    return {
         "density": gas.density,
         "velocity": gas.velocity,
         "temperature": theta**2 * gas.temperature,
         "a2": a2,
         "a3": a3,
         "cooling_rate": theta**exponent * cooling_rate,
-        "cooling_coefficient": K,
+        "cooling_coefficient": cooling_rate / (gas.density * gas.temperature ** (exponent / 2)),
         "velocity_scale": theta,
         "mass_loss": m / s,
         "minimum": float(g.min()),
     }
-    dimensions = {"velocity": ("component",)}
-    attributes = {"long_name": "density g = θ^d f over c = (v−u)/θ", "units": "1"}
-    held = xr.Dataset({"g": (grid.axes, g, attributes)}, coords=grid.coordinates())
-    ds = on_scaled_velocities(held, grid.axes).assign(
-        {
-            name: (dimensions.get(name, ()), values[name], {"long_name": long_name, "units": "1"})
-            for name, long_name in LONG_NAMES.items()
-        }
-    )
+
+
+def _with_tail(
+    ds: xr.Dataset, g: np.ndarray, grid: VelocitySpace, temperature: float, power: float
+) -> xr.Dataset:
+    """Add the local slope of −ln g against c^power, against ln c where the power is 0."""
+    tail = tail_slope(g, grid, temperature, power)
     against = "ln c" if power == 0.0 else f"c^{power:g}"
-    ds["tail_slope"] = (
-        "tail_speed",
+    ds["tail_slope"] = labelled(
         tail.slopes,
-        {
-            "long_name": f"−d ln g/d {against} between nodes where g is above the error's floor",
-            "units": "1",
-            "power": power,
-            "floor": tail.floor,
-        },
+        f"−d ln g/d {against} between nodes where g is above the error's floor",
+        "tail_speed",
+        power=power,
+        floor=tail.floor,
     )
-    ds["residual"] = (
-        "iteration",
-        np.array(found.sizes),
-        {"long_name": "largest residual over that of what balances collisions", "units": "1"},
-    )
-    ds = ds.assign_coords(
-        component=list(COMPONENTS[: grid.dim]),
-        tail_speed=("tail_speed", tail.speeds, {"long_name": "|v−u|/√T", "units": "1"}),
-        iteration=np.arange(len(found.sizes)),
-    )
-    return ds, reason
+    return ds.assign_coords(tail_speed=labelled(tail.speeds, "|v−u|/√T", "tail_speed"))
 
 
 def _even_moments(g: np.ndarray, grid: VelocitySpace) -> np.ndarray:

@@ -118,10 +118,9 @@ class Gas:
 
 def gas_of(scene: Scene, solver: Solver) -> Gas:
     """Density, bulk velocity and temperature of the scene's initial density on the solver's grid."""
+    sized = solver.sized()
     grid: VelocitySpace = (
-        RadialGrid(scene.dim, solver.N, solver.R)
-        if solver.method == "radial"
-        else solver.grid(scene.dim)
+        RadialGrid(scene.dim, sized.N, sized.R) if sized.traits.radial else sized.grid(scene.dim)
     )
     values = moment_values(scene.density(grid), grid)
     return Gas(float(values["density"]), values["velocity"], float(values["temperature"]))

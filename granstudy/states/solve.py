@@ -1,16 +1,15 @@
 """The states that granular gases approach, solved for directly: cooling, and heated (docs/states.md)."""
 
-from dataclasses import replace
-
 import numpy as np
 import xarray as xr
 
 from granstudy.collision import collision_operator, concrete
+from granstudy.datasets.run_dataset import Header
 from granstudy.evolution.unknowns import representation
 from granstudy.model.densities import Maxwellian
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
-from granstudy.states.dataset import state_dataset, state_variables
+from granstudy.model.solver import SizedSolver, Solver
+from granstudy.states.dataset import state_dataset
 from granstudy.states.equation import SteadyEquation, gas_of
 from granstudy.states.newton import DENSE, Solution, newton
 from granstudy.theory.checks import check_restitution
@@ -99,12 +98,13 @@ def check_state(scene: Scene, solver: Solver, heated: bool) -> None:
 
 def gaussian_scene(scene: Scene, temperature: float = 1.0) -> Scene:
     """What a state's operator is planned for: an isotropic gas at u = 0, with all its symmetry."""
-    return replace(scene, initial=Maxwellian(scene.dim, temperature), symmetry=None)  # type: ignore[arg-type]
+    gaussian = Maxwellian(scene.dim, temperature)
+    return Scene(scene.dim, gaussian, scene.kernel, scene.restitution, scene.diffusion)
 
 
-def state_evaluations(solver: Solver) -> int:
+def state_evaluations(solver: SizedSolver) -> int:
     """Evaluations of Q that finding a state takes, within a factor 3 (docs/states.md §2)."""
-    if solver.method == "radial" and solver.N + 2 <= DENSE:
+    if solver.traits.radial and solver.N + 2 <= DENSE:
         return 2 * STEPS * (solver.N + 2)
     return 2 * STEPS * VECTORS
 
@@ -127,20 +127,20 @@ def _state(
     # Overflow and NaN of iterates that run away are looked for by `newton`.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         found = newton(equation, start, tolerance, max_iterations)
-    ds, reason = state_variables(scene, gas, equation, found, heated)
     examined = _health(gaussian, equation, found, heated)
-    title = "heated state" if heated else "cooling state"
-    ds = state_dataset(ds, scene, choice.solver, reason, examined, title)
-    return ds.assign_attrs(choice.attributes())
+    header = Header.of("heated state" if heated else "cooling state", scene, choice)
+    return state_dataset(header, gas, equation, found, examined, heated)
 
 
 def _check_solver(solver: Solver) -> None:
     """A tolerance is met for the density that the quadrature is planned with: not that of the state."""
-    if solver.method == "dsmc":
-        raise ValueError("method='dsmc': particles have no equation to solve; take another method")
+    if solver.traits.by_particles:
+        raise ValueError(
+            f"method={solver.method!r}: particles have no equation to solve; take another method"
+        )
     if solver.N is None:
         raise ValueError("N=None: a state is not known before it is found; give N and R")
-    if solver.rtol is not None and solver.method == "fast":
+    if solver.rtol is not None and not (solver.traits.radial or solver.traits.chooses):
         raise ValueError(
             f"rtol={solver.rtol!r}: holds for a density that is known; give N_rho and M_sph (M_cir)"
         )

@@ -14,10 +14,8 @@ import xarray as xr
 from granstudy.collision import collision_operator, concrete
 from granstudy.collision.fast.adaptive.retuning import Tuning
 from granstudy.datasets.netcdf import read_dataset, write_dataset
-from granstudy.datasets.run_dataset import stamped
-from granstudy.evolution.evolve import simulate
-from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.datasets.run_dataset import Ending, Header, labelled, stamped
+from granstudy.evolution.simulate import simulate
 from granstudy.states.solve import FIND
 from granstudy.study.run import Run
 from granstudy.study.run_key import run_key
@@ -39,8 +37,8 @@ def execute(run: Run, threads: int) -> xr.Dataset:
     choice = concrete(run.scene, solver)
     operator = collision_operator(run.scene, choice.solver)
     Q = operator(run.scene.density(operator.grid))
-    ds = collision_dataset(run.scene, choice.solver, operator.grid, Q, Tuning(operator).plans)
-    return ds.assign_attrs(choice.attributes())
+    header = Header.of("collision", run.scene, choice)
+    return collision_dataset(header, operator.grid, Q, Tuning(operator).plans)
 
 
 def execute_job(
@@ -95,15 +93,12 @@ def _holds(path: Path, key: str) -> bool:
 
 
 def collision_dataset(
-    scene: Scene,
-    solver: Solver,
-    grid: VelocitySpace,
-    Q: np.ndarray,
-    plans: Sequence[dict[str, Any]] = (),
+    header: Header, grid: VelocitySpace, Q: np.ndarray, plans: Sequence[dict[str, Any]] = ()
 ) -> xr.Dataset:
     """Dataset of one evaluation Q(f0,f0) on the initial density, shape ``grid.shape``."""
-    attributes = {"long_name": "collision operator Q(f0,f0)", "units": "1"}
-    ds = xr.Dataset({"Q": (grid.axes, Q, attributes)}, coords=grid.coordinates())
+    ds = xr.Dataset(
+        {"Q": labelled(Q, "collision operator Q(f0,f0)", grid.axes)}, coords=grid.coordinates()
+    )
     finite = bool(np.all(np.isfinite(Q)))
-    status, reason = (Status.OK, "") if finite else (Status.DIVERGED, "Q is not finite")
-    return stamped(ds, scene, solver, None, status, reason, [], "collision", plans)
+    ending = Ending() if finite else Ending(Status.DIVERGED, "Q is not finite")
+    return stamped(ds, header, ending, plans)

@@ -1,35 +1,41 @@
 """The key of a run: a hash over all that its numbers depend on, parameters and code."""
 
 import hashlib
+from collections.abc import Callable
 
-from granstudy.collision.operator import OPERATORS
+import xarray as xr
+
+from granstudy.collision.choice.cheapest import choose_method
+from granstudy.collision.choice.grid import fit_solver
+from granstudy.collision.choice.methods import maker
+from granstudy.datasets.run_dataset import stamped
+from granstudy.evolution.simulate import computed_by
+from granstudy.model.solver import Solver
+from granstudy.states.solve import cooling_state
 from granstudy.study.run import Run
 from granstudy.support.fingerprint import fingerprint
+
+COMPUTED_BY: dict[str, Callable[[Solver], Callable[..., xr.Dataset]]] = {
+    "evolution": computed_by,
+    "collision": lambda solver: stamped,
+    "state": lambda solver: cooling_state,
+}
 
 
 def run_key(run: Run) -> str:
     """Hash over all that a run's numbers depend on: its parameters and the code that computes it."""
-    chooses = ("granstudy.collision.choice.cheapest",) if run.solver.is_open else ()
-    if run.solver.N is None:
-        chooses += ("granstudy.collision.choice.grid",)
-    code = run_fingerprint(run.model.run, run.choice.solver.operator, chooses)
+    code = run_fingerprint(run)
     return hashlib.sha256(f"{run.parameters()}\n{code}".encode()).hexdigest()[:32]
 
 
-PARTICLES = "granstudy.particles.simulation"
-"""What computes the runs of `dsmc`, which has no operator."""
-
-
-def run_fingerprint(kind: str, operator: str, also: tuple[str, ...] = ()) -> str:
-    """Fingerprint of the modules behind an ``evolution``, ``collision`` or ``state`` run with an operator.
-
-    ``operator`` is `Solver.operator`: the method, or ``adaptive`` where it has a tolerance; ``also``
-    are modules that choose it.
-    """
-    entry = {
-        "evolution": "granstudy.evolution.evolve",
-        "collision": "granstudy.datasets.run_dataset",
-        "state": "granstudy.states.solve",
-    }[kind]
-    method = PARTICLES if operator == "dsmc" else OPERATORS[operator][0]
-    return fingerprint((entry, "granstudy.collision.operator", method, *also))
+def run_fingerprint(run: Run) -> str:
+    """Fingerprint of the code behind a run: what computes it, its operator, what chooses where it is open."""
+    solver = run.solver
+    modules = [COMPUTED_BY[run.model.run](solver).__module__]
+    if not solver.traits.by_particles:
+        modules.append(maker(run.choice.solver).__module__)
+    if solver.traits.chooses:
+        modules.append(choose_method.__module__)
+    if solver.N is None:
+        modules.append(fit_solver.__module__)
+    return fingerprint(modules)

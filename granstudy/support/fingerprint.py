@@ -13,8 +13,16 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
 
-DATA = {"granstudy.quadrature.design_data": PACKAGE / "quadrature" / "data"}
-"""Folders of data that a module reads; they count as its code."""
+FORKS = frozenset(
+    {
+        "granstudy.collision.operator",
+        "granstudy.collision.choice.methods",
+        "granstudy.evolution.simulate",
+        "granstudy.model.methods",
+    }
+)
+"""Modules that only choose between others, or say what can be chosen. They are neither followed nor hashed: whoever asks for a fingerprint
+names the branch that is taken. So a new method or a new row changes no run."""
 
 
 def fingerprint(modules: Iterable[str]) -> str:
@@ -23,25 +31,22 @@ def fingerprint(modules: Iterable[str]) -> str:
     waiting = list(modules)
     while waiting:
         module = waiting.pop()
-        if module not in found:
+        if module not in found | FORKS:
             found.add(module)
             waiting.extend(imported_modules(module))
     digest = hashlib.sha256()
     for module in sorted(found):
         digest.update(f"{module}\n{_tree(module)}\n".encode())
-        for file in sorted(DATA[module].iterdir()) if module in DATA else ():
+        for file in _data(module):
             digest.update(file.name.encode() + file.read_bytes())
     return digest.hexdigest()[:16]
 
 
 @cache
 def imported_modules(module: str) -> tuple[str, ...]:
-    """Modules of the package that ``module`` imports at its top level.
-
-    Imports inside functions do not count: the operators, chosen by name, are named by the caller.
-    """
+    """Modules of the package that ``module`` imports."""
     found = []
-    for node in ast.parse(_source(module).read_text()).body:
+    for node in ast.walk(ast.parse(_source(module).read_text())):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("granstudy"):
             for name in node.names:
                 inner = f"{node.module}.{name.name}"
@@ -68,6 +73,12 @@ def _is_text(node: ast.stmt) -> bool:
         and isinstance(node.value, ast.Constant)
         and isinstance(node.value.value, str)
     )
+
+
+def _data(module: str) -> list[Path]:
+    """Files in the folder ``data`` beside a module called ``.._data``: what it reads counts as its code."""
+    folder = _source(module).parent / "data"
+    return sorted(folder.iterdir()) if module.endswith("_data") and folder.is_dir() else []
 
 
 def _source(module: str) -> Path:

@@ -6,13 +6,16 @@ rates that all pairs of a density give without truncation, modes or directions
 (docs/method.md §10). Beside it stand the signs of a density that its grid cannot hold.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from granstudy.trust.flags import Trust
 from granstudy.velocity.space import VelocitySpace
+
+Moments = Mapping[str, Any]
+"""Moments of a density by name (`granstudy.velocity.moments`)."""
 
 
 class Sign(NamedTuple):
@@ -80,7 +83,7 @@ SIGNS = {
 NOT_FINITE = "the density became NaN or infinite: take a smaller dt"
 
 
-def failure(values: dict[str, Any]) -> str | None:
+def failure(values: Moments) -> str | None:
     """Why a run with these moments has to stop, or None."""
     if not all(np.all(np.isfinite(value)) for value in values.values()):
         return NOT_FINITE
@@ -95,7 +98,7 @@ def failure(values: dict[str, Any]) -> str | None:
 
 
 def state_of_health(
-    f: np.ndarray, values: dict[str, Any], first: dict[str, Any], grid: VelocitySpace
+    f: np.ndarray, values: Moments, first: Moments, grid: VelocitySpace
 ) -> dict[str, float]:
     """What one output says, by the names of `SIGNS`.
 

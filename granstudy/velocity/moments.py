@@ -1,22 +1,84 @@
 """Velocity moments of a density: density, bulk velocity, temperature, pressure tensor, kurtosis."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
-from granstudy.velocity.space import VelocitySpace
+from granstudy.velocity.space import VelocityMoments, VelocitySpace
 
 COMPONENTS = ("x", "y", "z")
 
-LONG_NAMES = {
-    "density": "density ρ = ∫f dv",
-    "velocity": "bulk velocity u = ∫v f dv / ρ",
-    "energy": "energy E = ½∫|v|² f dv",
-    "temperature": "temperature T = ∫|v−u|² f dv / (dρ)",
-    "paper_temperature": "2E/d, the paper's temperature: not divided by density, u taken as 0",
-    "pressure": "pressure tensor P = ∫(v−u)(v−u) f dv",
-    "a2": "kurtosis excess a2 = d/(d+2) ⟨|v−u|⁴⟩/⟨|v−u|²⟩² − 1",
-    "minimum": "smallest value of the density on the grid",
+
+@dataclass(frozen=True)
+class Moment:
+    """One moment of a density on a grid.
+
+    Attributes
+    ----------
+    long_name : str
+    value : callable
+        (integrals over velocity, f, grid) ↦ the moment.
+    scaled : callable or None
+        (the moment of g, θ, d) ↦ the moment of f(v) = θ^{−d} g((v−u)/θ), which keeps ρ. None where the bulk
+        velocity counts too (`granstudy.evolution.frames.physical`).
+    dimensions : tuple of str
+        Of a vector or a tensor.
+    """
+
+    long_name: str
+    value: Callable[[VelocityMoments, np.ndarray, VelocitySpace], Any]
+    scaled: Callable[[Any, float, int], Any] | None = lambda value, theta, d: value
+    dimensions: tuple[str, ...] = ()
+
+
+def temperature(m: VelocityMoments, d: int) -> Any:
+    """T = ∫|v−u|² f dv / (dρ)."""
+    return np.trace(m.pressure) / (d * m.density)
+
+
+MOMENTS: dict[str, Moment] = {
+    "density": Moment("density ρ = ∫f dv", lambda m, f, grid: m.density),
+    "velocity": Moment(
+        "bulk velocity u = ∫v f dv / ρ",
+        lambda m, f, grid: m.momentum / m.density,
+        scaled=None,
+        dimensions=("component",),
+    ),
+    "energy": Moment("energy E = ½∫|v|² f dv", lambda m, f, grid: m.energy, scaled=None),
+    "temperature": Moment(
+        "temperature T = ∫|v−u|² f dv / (dρ)",
+        lambda m, f, grid: temperature(m, grid.dim),
+        scaled=lambda T, theta, d: theta**2 * T,
+    ),
+    "paper_temperature": Moment(
+        "2E/d, the paper's temperature: not divided by density, u taken as 0",
+        lambda m, f, grid: 2.0 * m.energy / grid.dim,
+        scaled=None,
+    ),
+    "pressure": Moment(
+        "pressure tensor P = ∫(v−u)(v−u) f dv",
+        lambda m, f, grid: m.pressure,
+        scaled=lambda P, theta, d: theta**2 * P,
+        dimensions=("component", "component_"),
+    ),
+    "a2": Moment(
+        "kurtosis excess a2 = d/(d+2) ⟨|v−u|⁴⟩/⟨|v−u|²⟩² − 1",
+        lambda m, f, grid: (
+            m.fourth / m.density / (grid.dim * (grid.dim + 2) * temperature(m, grid.dim) ** 2) - 1.0
+        ),
+    ),
+    "minimum": Moment(
+        "smallest value of the density on the grid",
+        lambda m, f, grid: f.min(),
+        scaled=lambda minimum, theta, d: minimum / theta**d,
+    ),
 }
+"""All moments that a run records (paper eqs. 19 to 21), in the order of a dataset; a new one is a new row."""
+
+LONG_NAMES = {name: moment.long_name for name, moment in MOMENTS.items()}
 
 FRAME_LONG_NAMES = {
     "velocity_scale": "velocity scale θ of the rescaled frame, v = u + θc",
@@ -26,10 +88,8 @@ FRAME_LONG_NAMES = {
 """Where a rescaled frame is (docs/method.md §5)."""
 
 DIMENSIONS: dict[str, tuple[str, ...]] = {
-    "velocity": ("component",),
-    "frame_velocity": ("component",),
-    "pressure": ("component", "component_"),
-}
+    name: moment.dimensions for name, moment in MOMENTS.items() if moment.dimensions
+} | {"frame_velocity": ("component",)}
 """Dimensions of the moments that are not scalars."""
 
 
@@ -66,18 +126,7 @@ def moments(f: np.ndarray, grid: VelocitySpace) -> xr.Dataset:
     )
 
 
-def moment_values(f: np.ndarray, grid: VelocitySpace) -> dict[str, np.ndarray]:
-    """The moments as plain arrays, for use at every step (paper eqs. 19 to 21)."""
-    d = grid.dim
+def moment_values(f: np.ndarray, grid: VelocitySpace) -> dict[str, Any]:
+    """The moments as plain arrays, for use at every step."""
     m = grid.velocity_moments(f)
-    temperature = np.trace(m.pressure) / (d * m.density)
-    return {
-        "density": m.density,
-        "velocity": m.momentum / m.density,
-        "energy": m.energy,
-        "temperature": temperature,
-        "paper_temperature": 2.0 * m.energy / d,
-        "pressure": m.pressure,
-        "a2": m.fourth / m.density / (d * (d + 2) * temperature**2) - 1.0,
-        "minimum": f.min(),
-    }
+    return {name: moment.value(m, f, grid) for name, moment in MOMENTS.items()}

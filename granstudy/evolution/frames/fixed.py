@@ -5,7 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from granstudy.evolution.stability import largest_frequency, stability_limit
 from granstudy.evolution.unknowns import Representation, relative_change
+from granstudy.model.restitution import Restitution
+from granstudy.model.scene import Scene
 from granstudy.velocity.space import Term
 
 
@@ -18,20 +21,21 @@ class FixedFrame:
         What is advanced.
     collisions : callable
         Q of such a state.
-    diffusion : float
-        ε; at 0 diffusion costs nothing.
+    scene : Scene
+        Its diffusion ε costs nothing at 0.
     """
 
     def __init__(
         self,
         form: Representation,
         collisions: Callable[[np.ndarray], np.ndarray],
-        diffusion: float,
+        scene: Scene,
     ) -> None:
         self.form = form
         self._collisions = collisions
-        self._epsilon = diffusion
-        self._diffusion = form.diffusion(diffusion)
+        self._scene = scene
+        self._epsilon = scene.diffusion
+        self._diffusion = form.diffusion(scene.diffusion)
 
     def start(self, f: np.ndarray) -> np.ndarray:
         """The state of an initial density."""
@@ -54,6 +58,26 @@ class FixedFrame:
     def diffusivity(self, state: np.ndarray) -> float:
         """ε."""
         return self._epsilon
+
+    def scale(self, state: np.ndarray) -> float:
+        """The scale θ of the velocities: 1."""
+        return 1.0
+
+    def restitution(self, state: np.ndarray) -> Restitution:
+        """Restitution in the velocities that the grid stores: the scene's."""
+        return self._scene.restitution
+
+    def heating(self, state: np.ndarray, temperature: float) -> float:
+        """2ε/T a unit of the collisions' time, T the temperature of f."""
+        return float(2.0 * self._epsilon / temperature)
+
+    def stable_step(
+        self, scheme: str, state: np.ndarray, density: float, dilation_rate: float
+    ) -> float:
+        """The largest step that is stable for certain; nothing dilates."""
+        grid, scene = self.form.grid, self._scene
+        frequency = largest_frequency(scene.kernel, scene.dim, grid.R, density)
+        return stability_limit(scheme, grid, diffusion=self._epsilon, collision_frequency=frequency)
 
     def laplacian_functions(self, x: float, terms: Sequence[Term]) -> np.ndarray:
         """Σ φ(xΔ) state over the terms."""

@@ -5,11 +5,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from granstudy.velocity.moments import MOMENTS
+
 
 def physical_moments(values: dict[str, Any], scale: float, velocity: np.ndarray) -> dict[str, Any]:
     """Moments of f(v) = θ^{−d} g((v − u)/θ) from those of g.
 
-    ρ and the kurtosis stay; T and P go with θ², values of the density with θ^{−d}; E = ½ρ(|u_f|² + dT).
+    Each goes as its row of `granstudy.velocity.moments.MOMENTS` says; E = ½ρ(|u_f|² + dT).
 
     Parameters
     ----------
@@ -19,17 +21,16 @@ def physical_moments(values: dict[str, Any], scale: float, velocity: np.ndarray)
         θ, and the bulk velocity u_f of f.
     """
     d = len(velocity)
-    temperature = scale**2 * values["temperature"]
-    energy = 0.5 * values["density"] * (np.sum(velocity**2) + d * temperature)
-    return {
-        "density": values["density"],
+    found = {
+        name: moment.scaled(values[name], scale, d)
+        for name, moment in MOMENTS.items()
+        if moment.scaled is not None
+    }
+    energy = 0.5 * found["density"] * (np.sum(velocity**2) + d * found["temperature"])
+    return found | {
         "velocity": velocity,
         "energy": energy,
-        "temperature": temperature,
         "paper_temperature": 2.0 * energy / d,
-        "pressure": scale**2 * values["pressure"],
-        "a2": values["a2"],
-        "minimum": values["minimum"] / scale**d,
     }
 
 

@@ -7,8 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from granstudy.evolution.frames.physical import physical_moments
+from granstudy.evolution.stability import largest_frequency, stability_limit
 from granstudy.evolution.unknowns import Representation, relative_change
-from granstudy.model.densities import InitialDensity
+from granstudy.model.restitution import Restitution, ScaledRestitution
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.velocity.space import Term
@@ -47,10 +48,8 @@ class RescaledFrame:
         What is advanced of g.
     collisions : callable
         (g's state, θ) ↦ Q.
-    diffusion : float
-        ε.
-    exponent : float
-        λ.
+    scene : Scene
+        Its diffusion ε, exponent λ and restitution.
     velocity : ndarray, shape (d,)
         u at the start.
     """
@@ -59,14 +58,14 @@ class RescaledFrame:
         self,
         form: Representation,
         collisions: ScaledCollisions,
-        diffusion: float,
-        exponent: float,
+        scene: Scene,
         velocity: np.ndarray,
     ) -> None:
         self.form = form
         self._collisions = collisions
-        self._epsilon = diffusion
-        self._exponent = exponent
+        self._scene = scene
+        self._epsilon = scene.diffusion
+        self._exponent = scene.kernel.exponent
         self._velocity = velocity
         self._laplacian = form.diffusion(1.0)
         invariants = form.grid.invariants()
@@ -122,6 +121,34 @@ class RescaledFrame:
         """εθ^{−2}."""
         return float(self._epsilon * np.exp(-2 * self._split(state)[1].log_scale))
 
+    def scale(self, state: np.ndarray) -> float:
+        """The scale θ of the velocities."""
+        return float(np.exp(self._split(state)[1].log_scale))
+
+    def restitution(self, state: np.ndarray) -> Restitution:
+        """Restitution in the velocities that the grid stores: a law e(|g·ω|) becomes e(θ|g·ω|)."""
+        law = self._scene.restitution
+        return ScaledRestitution(law, self.scale(state)) if callable(law) else law
+
+    def heating(self, state: np.ndarray, temperature: float) -> float:
+        """2ε/T a unit of the collisions' time, T = θ²T_g and ``temperature`` T_g."""
+        scaled = temperature * self.scale(state) ** self._exponent
+        return float(2.0 * self.diffusivity(state) / scaled)
+
+    def stable_step(
+        self, scheme: str, state: np.ndarray, density: float, dilation_rate: float
+    ) -> float:
+        """The largest step that is stable for certain, θ'/θ the ``dilation_rate``."""
+        grid, scene = self.form.grid, self._scene
+        frequency = largest_frequency(scene.kernel, scene.dim, grid.R, density)
+        return stability_limit(
+            scheme,
+            grid,
+            diffusion=self.diffusivity(state),
+            collision_frequency=self.scale(state) ** self._exponent * frequency,
+            dilation_rate=dilation_rate,
+        )
+
     def laplacian_functions(self, x: float, terms: Sequence[Term]) -> np.ndarray:
         """Σ φ(xΔ) state over the terms; θ, τ and u_f do not diffuse."""
         nodes = self._nodes
@@ -137,7 +164,7 @@ class RescaledFrame:
     def record(self, values: dict[str, Any], state: np.ndarray) -> dict[str, Any]:
         """Moments of f from those of g, and where the frame is."""
         _, place = self._split(state)
-        theta = float(np.exp(place.log_scale))
+        theta = self.scale(state)
         return physical_moments(values, theta, place.velocity) | {
             "velocity_scale": theta,
             "frame_velocity": place.velocity - theta * values["velocity"],
@@ -193,7 +220,7 @@ def keeping(M: np.ndarray, change: np.ndarray, motions: np.ndarray) -> np.ndarra
 class Centred:
     """An initial density seen from the velocity ``centre``: g(c) = f(u + c)."""
 
-    initial: InitialDensity
+    initial: Callable[..., np.ndarray]
     centre: tuple[float, ...]
 
     def __call__(self, *c: np.ndarray) -> np.ndarray:
@@ -211,5 +238,5 @@ def centred(scene: Scene, solver: Solver) -> tuple[Scene, np.ndarray]:
     u = np.where(np.abs(u) > 1e-10 * thermal, u, 0.0)
     if not u.any():
         return scene, u
-    initial = Centred(scene.initial, tuple(map(float, u)))  # type: ignore[arg-type]
+    initial = Centred(scene.initial, tuple(map(float, u)))
     return replace(scene, initial=initial), u

@@ -11,7 +11,7 @@ import xarray as xr
 
 from granstudy.collision.operator import collision_operator
 from granstudy.collision.protocol import CollisionOperator
-from granstudy.datasets.run_dataset import CONVENTIONS, run_coordinates
+from granstudy.datasets.run_dataset import CONVENTIONS
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.study.benchmark.front import on_front
@@ -254,7 +254,7 @@ def _dataset(rows: list[Measurement], values: dict[str, Any]) -> xr.Dataset:
 
 def _parameters(scene: Scene, solver: Solver, swept: list[str]) -> dict[str, Any]:
     """A run's parameters without those that play no part in its method."""
-    parameters = run_coordinates(scene, solver)
+    parameters = {**scene.coordinates(), **solver.coordinates(scene.dim)}
     if "symmetry" in swept:
         parameters["symmetry"] = scene.symmetry.name
     if "device" in swept:

@@ -102,8 +102,7 @@ def test_the_scale_follows_the_energy_at_any_density():
     frame = RescaledFrame(
         representation(operator, scene.symmetry),
         lambda g, scale: operator(g),
-        scene.diffusion,
-        scene.kernel.exponent,
+        scene,
         np.zeros(2),
     )
     g = 1.7 * scene.density(grid)
