@@ -8,7 +8,7 @@ import xarray as xr
 
 from granstudy.collision.fast.adaptive.retuning import Tuning
 from granstudy.collision.operator import collision_operator, concrete
-from granstudy.datasets.run_dataset import stamped
+from granstudy.datasets.run_dataset import Ending, Header, labelled, stamped
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.trust.flags import Status
@@ -16,12 +16,12 @@ from granstudy.velocity.space import VelocitySpace
 
 
 def evaluate(scene: Scene, solver: Solver) -> xr.Dataset:
-    """Evaluate Q(f0,f0); what the solver leaves open is chosen for the scene.
+    """Evaluate Q(f0,f0) on the initial density f0; what the solver leaves open is chosen for the scene.
 
     Returns
     -------
     xarray.Dataset
-        `Q` over the velocities, `status`, every parameter as a coordinate, and attributes as a run's.
+        `Q` over the velocities, `status`, every parameter as a coordinate, and a run's attributes.
 
     Raises
     ------
@@ -31,20 +31,17 @@ def evaluate(scene: Scene, solver: Solver) -> xr.Dataset:
     choice = concrete(scene, solver)
     operator = collision_operator(scene, choice.solver)
     Q = operator(scene.density(operator.grid))
-    ds = collision_dataset(scene, choice.solver, operator.grid, Q, Tuning(operator).plans)
-    return ds.assign_attrs(choice.attributes())
+    header = Header.of("collision", scene, choice)
+    return collision_dataset(header, operator.grid, Q, Tuning(operator).plans)
 
 
 def collision_dataset(
-    scene: Scene,
-    solver: Solver,
-    grid: VelocitySpace,
-    Q: np.ndarray,
-    plans: Sequence[dict[str, Any]] = (),
+    header: Header, grid: VelocitySpace, Q: np.ndarray, plans: Sequence[dict[str, Any]] = ()
 ) -> xr.Dataset:
     """Dataset of one evaluation Q(f0,f0) on the initial density, shape ``grid.shape``."""
-    attributes = {"long_name": "collision operator Q(f0,f0)", "units": "1"}
-    ds = xr.Dataset({"Q": (grid.axes, Q, attributes)}, coords=grid.coordinates())
+    ds = xr.Dataset(
+        {"Q": labelled(Q, "collision operator Q(f0,f0)", grid.axes)}, coords=grid.coordinates()
+    )
     finite = bool(np.all(np.isfinite(Q)))
-    status, reason = (Status.OK, "") if finite else (Status.DIVERGED, "Q is not finite")
-    return stamped(ds, scene, solver, None, status, reason, [], "collision", plans)
+    ending = Ending() if finite else Ending(Status.DIVERGED, "Q is not finite")
+    return stamped(ds, header, ending, plans)

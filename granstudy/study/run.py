@@ -84,6 +84,11 @@ class Run:
         return replace(self, values=tuple(shared.items()), is_reference=True)
 
     @property
+    def has_reference(self) -> bool:
+        """Whether its error is measured against the run of another solver."""
+        return self._reference_model is not None
+
+    @property
     def _reference_model(self) -> SolverModel | None:
         """What the study file says of the solver that errors are measured against."""
         if isinstance(self.model, CollisionExperiment | BenchmarkExperiment):
@@ -170,7 +175,7 @@ class Run:
 
     @property
     def time_fields(self) -> dict[str, Any]:
-        """How an evolution goes through time, as `granstudy.simulate` takes it; what is left out stays out."""
+        """How an evolution goes through time, as `granstudy.simulate` takes it; unset fields stay out."""
         assert isinstance(self.model, EvolutionExperiment)
         model = self.model.time
         fields = model.model_dump(exclude_none=True) | self._values_of(TimeModel.model_fields)
