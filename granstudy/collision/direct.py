@@ -6,7 +6,6 @@ angle between them. The reference that the other methods are measured against; `
 paper's direct method, down to how its code evaluates sinc.
 """
 
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numba
@@ -15,7 +14,14 @@ from scipy.special import eval_legendre, jv, spherical_jn
 
 from granstudy.collision.protocol import check_state
 from granstudy.collision.rules import converged_radial, radial_nodes
-from granstudy.collision.weights import SphereMean, alpha, loss_weight, mean_phase, radial_measure
+from granstudy.collision.weights import (
+    RestitutionLaw,
+    SphereMean,
+    alpha,
+    loss_weight,
+    mean_phase,
+    radial_measure,
+)
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.quadrature import Rule
@@ -34,10 +40,6 @@ class DirectOperator:
 
     transforms = 2
 
-    def transform(self) -> None:
-        """Make the transforms of one call and nothing else: two, which cost next to nothing."""
-        np.fft.ifftn(np.fft.fftn(np.zeros(self.grid.shape)))
-
     def __init__(self, scene: Scene, solver: Solver) -> None:
         self.grid = grid = solver.grid(scene.dim)
         self.scene = scene
@@ -51,24 +53,22 @@ class DirectOperator:
         mean = paper_sphere_mean if solver.circular else sphere_mean
         self.loss = loss_weight(
             scene.kernel, grid, self.radial.points, self.radial.weights, half=False, mean=mean
-        ).reshape(grid.N, -1, grid.N)
-        # Modes as (n, 3) integers; arrays have three axes, the second of length 1 in 2D.
-        k, ny = grid.wavenumbers, grid.N if grid.dim == 3 else 1
-        self.modes = np.stack([a.ravel() for a in np.meshgrid(k, k[:ny], k, indexing="ij")], axis=1)
+        ).reshape(grid.three_axis_shape)
+        axes = [grid.wavenumbers[:length] for length in grid.three_axis_shape]
+        self.modes = np.stack([a.ravel() for a in np.meshgrid(*axes, indexing="ij")], axis=1)
         self.threads = solver.thread_count
-        self._weight: ScalarTable | AngularSeries
+        self._weight: GainTable | GainSeries
         if callable(scene.restitution):
-            self._weight = AngularSeries(scene.restitution, grid, self.radial, self.measure)
+            self._weight = GainSeries(scene.restitution, grid, self.radial, self.measure)
         else:
-            self._weight = ScalarTable(
+            self._weight = GainTable(
                 float(scene.restitution), grid, self.radial, self.measure, mean
             )
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
         """Q(f,f), of the type of ``f``."""
         check_state(f, self.grid)
-        shape = (self.grid.N, self.grid.N if self.grid.dim == 3 else 1, self.grid.N)
-        f_hat = np.fft.fftn(f).reshape(shape) / f.size
+        f_hat = np.fft.fftn(f).reshape(self.grid.three_axis_shape) / f.size
         Q_hat = np.zeros(f_hat.size, dtype=np.complex128)
         k2 = np.square(self.modes).sum(axis=1)
         groups = [np.flatnonzero(k2 == value) for value in np.unique(k2)]
@@ -81,8 +81,12 @@ class DirectOperator:
         Q = np.fft.ifftn(Q_hat.reshape(self.grid.shape)) * f.size
         return Q if np.iscomplexobj(f) else Q.real
 
+    def transform(self) -> None:
+        """Make the transforms of one call and nothing else: two, which cost next to nothing."""
+        np.fft.ifftn(np.fft.fftn(np.zeros(self.grid.shape)))
 
-class ScalarTable:
+
+class GainTable:
     """G⁺ for constant e, |S|² C_λ Σ_ρ w ρ^{d−1+λ} mean(ρα|k|) mean(ρ|m−αk|), a |k| at a time."""
 
     def __init__(
@@ -120,7 +124,7 @@ class ScalarTable:
         _sum_table(modes, group, f_hat, loss, circular, self.alpha, scale, table, Q_hat)
 
 
-class AngularSeries:
+class GainSeries:
     """G⁺ for e(|g·ω|) as a series in the angle of k and m: Legendre in 3D, Fourier in 2D.
 
     With mean_phase = Σ_l a_l P_l(k̂·ĝ), ∫e^{−iρm·ĝ} P_l(k̂·ĝ) dĝ = 4π (−i)^l j_l(ρ|m|) P_l(k̂·m̂); in 2D cos lθ
@@ -129,7 +133,7 @@ class AngularSeries:
 
     def __init__(
         self,
-        restitution: Callable[[np.ndarray], np.ndarray],
+        restitution: RestitutionLaw,
         grid: VelocityGrid,
         radial: Rule,
         measure: np.ndarray,
@@ -178,41 +182,24 @@ class AngularSeries:
 
 
 @numba.njit(nogil=True, cache=True)
-def _partners(k, N, circular):
-    """FFT index of k − m for the N wavenumbers m of one axis, −1 where that is outside the spectrum."""
-    out = np.empty(N, np.int64)
-    for i in range(N):
-        difference = k - (i if i < (N + 1) // 2 else i - N)
-        inside = -(N // 2) <= difference < (N + 1) // 2
-        out[i] = difference % N if inside or circular else -1
-    return out
-
-
-@numba.njit(nogil=True, cache=True)
 def _sum_table(modes, group, f_hat, loss, circular, alpha, scale, table, Q_hat):
     """Σ_m [table(|m−αk|) − loss_m] f̂_{k−m} f̂_m for each k of the group."""
     nx, ny, nz = f_hat.shape
     for p in group:
         kx, ky, kz = modes[p]
-        px, py, pz = (
-            _partners(kx, nx, circular),
-            _partners(ky, ny, circular),
-            _partners(kz, nz, circular),
-        )
+        px, py, pz = _partners(modes[p], f_hat.shape, circular)
         total = 0.0 + 0.0j
         for i in range(nx):
-            mx = i if i < (nx + 1) // 2 else i - nx
             for j in range(ny):
-                my = j if j < (ny + 1) // 2 else j - ny
                 if px[i] < 0 or py[j] < 0:
                     continue
+                mx, my = _wavenumber(i, nx), _wavenumber(j, ny)
                 across = (mx - alpha * kx) ** 2 + (my - alpha * ky) ** 2
                 partner = f_hat[px[i], py[j]]
                 for k in range(nz):
                     if pz[k] < 0:
                         continue
-                    mz = k if k < (nz + 1) // 2 else k - nz
-                    s = scale * np.sqrt(across + (mz - alpha * kz) ** 2)
+                    s = scale * np.sqrt(across + (_wavenumber(k, nz) - alpha * kz) ** 2)
                     cell = int(s)
                     t = 2.0 * (s - cell) - 1.0
                     c = table[cell]
@@ -227,27 +214,51 @@ def _sum_series(modes, group, f_hat, loss, circular, dim, series, place, Q_hat):
     nx, ny, nz = f_hat.shape
     for p in group:
         kx, ky, kz = modes[p]
-        px, py, pz = (
-            _partners(kx, nx, circular),
-            _partners(ky, ny, circular),
-            _partners(kz, nz, circular),
-        )
+        px, py, pz = _partners(modes[p], f_hat.shape, circular)
         total = 0.0 + 0.0j
         for i in range(nx):
-            mx = i if i < (nx + 1) // 2 else i - nx
             for j in range(ny):
-                my = j if j < (ny + 1) // 2 else j - ny
+                if px[i] < 0 or py[j] < 0:
+                    continue
+                mx, my = _wavenumber(i, nx), _wavenumber(j, ny)
+                partner = f_hat[px[i], py[j]]
                 for k in range(nz):
-                    if px[i] < 0 or py[j] < 0 or pz[k] < 0:
+                    if pz[k] < 0:
                         continue
-                    mz = k if k < (nz + 1) // 2 else k - nz
+                    mz = _wavenumber(k, nz)
                     m2 = mx * mx + my * my + mz * mz
                     length = np.sqrt(float(m2 * (kx * kx + ky * ky + kz * kz)))
                     mu = (kx * mx + ky * my + kz * mz) / length if length > 0.0 else 1.0
                     weight = _sum_polynomials(dim, series[place[m2]], mu)
-                    pair = f_hat[px[i], py[j], pz[k]] * f_hat[i, j, k]
-                    total += (weight - loss[i, j, k]) * pair
+                    total += (weight - loss[i, j, k]) * (partner[pz[k]] * f_hat[i, j, k])
         Q_hat[p] = total
+
+
+@numba.njit(nogil=True, cache=True)
+def _partners(mode, shape, circular):
+    """FFT indices of k − m along each axis for all m there; −1 where k − m is outside the spectrum."""
+    return (
+        _axis_partners(mode[0], shape[0], circular),
+        _axis_partners(mode[1], shape[1], circular),
+        _axis_partners(mode[2], shape[2], circular),
+    )
+
+
+@numba.njit(nogil=True, cache=True)
+def _axis_partners(k, N, circular):
+    """FFT index of k − m for the N wavenumbers m of one axis, −1 where that is outside the spectrum."""
+    out = np.empty(N, np.int64)
+    for i in range(N):
+        difference = k - _wavenumber(i, N)
+        inside = -(N // 2) <= difference < (N + 1) // 2
+        out[i] = difference % N if inside or circular else -1
+    return out
+
+
+@numba.njit(nogil=True, cache=True)
+def _wavenumber(i, N):
+    """Wavenumber at FFT index i of N."""
+    return i if i < (N + 1) // 2 else i - N
 
 
 @numba.njit(nogil=True, cache=True)

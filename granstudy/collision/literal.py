@@ -34,7 +34,7 @@ class LiteralOperator:
         g = (radial.points[:, None, None] * sphere.points).reshape(-1, grid.dim)
         self.weights = np.outer(measure, sphere.weights).ravel()
         self.shells = np.repeat(np.arange(len(radial)), len(sphere))
-        self.shift_phases = phase_vectors(grid, -g)
+        self.shift_phases = phase_factors(grid, -g)
 
         # F⁺ is a phase times a function of |k| a shell, or for e(|g·ω|) a stored array a node.
         self.gain_phases, self.F = None, None
@@ -48,7 +48,7 @@ class LiteralOperator:
             )
         else:
             a = float(alpha(scene.restitution))
-            self.gain_phases = phase_vectors(grid, a * g)
+            self.gain_phases = phase_factors(grid, a * g)
             k = np.pi / grid.L * np.sqrt(grid.wavenumber_squared())
             self.means = np.array(
                 [paper_sphere_mean(grid.dim, a * rho * k) for rho in radial.points]
@@ -70,7 +70,7 @@ class LiteralOperator:
         batch = max(1, BATCH // grid.N**grid.dim)
         batches = [slice(i, i + batch) for i in range(0, len(g), batch)]
         self.shares = [batches[i::SHARES] for i in range(SHARES)]
-        self.workers = Workers(solver.thread_count, lambda: _Workspace(batch, grid.shape))
+        self.workers = Workers(solver.thread_count, lambda: _BatchBuffers(batch, grid.shape))
         self.transforms = 2 * len(g) + (2 if self.full else 3)
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
@@ -94,7 +94,7 @@ class LiteralOperator:
     def transform(self) -> None:
         """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
 
-        def transform_share(share: list[slice], work: "_Workspace") -> None:
+        def transform_share(share: list[slice], work: "_BatchBuffers") -> None:
             for _ in share:
                 work.backward()
                 work.forward()
@@ -104,7 +104,7 @@ class LiteralOperator:
         self.workers.map(transform_share, self.shares)
 
     def _sum_nodes(
-        self, f: np.ndarray, f_hat: np.ndarray, share: list[slice], work: "_Workspace"
+        self, f: np.ndarray, f_hat: np.ndarray, share: list[slice], work: "_BatchBuffers"
     ) -> np.ndarray:
         total = np.zeros(self.grid.shape, dtype=np.complex128)
         for nodes in share:
@@ -134,7 +134,7 @@ class LiteralOperator:
         return F * self.weights[nodes].reshape(-1, *(1,) * self.grid.dim)
 
 
-def phase_vectors(grid: VelocityGrid, displacements: np.ndarray) -> list[np.ndarray]:
+def phase_factors(grid: VelocityGrid, displacements: np.ndarray) -> list[np.ndarray]:
     """One-dimensional factors of e^{iπ k·x/L} for every x, an axis at a time, ready to broadcast."""
     return [
         np.exp(1j * np.pi / grid.L * np.outer(component, grid.wavenumbers)).reshape(
@@ -144,7 +144,7 @@ def phase_vectors(grid: VelocityGrid, displacements: np.ndarray) -> list[np.ndar
     ]
 
 
-class _Workspace:
+class _BatchBuffers:
     """Buffers and plans of one thread; transforms are unnormalised."""
 
     def __init__(self, batch: int, shape: tuple[int, ...]) -> None:

@@ -14,6 +14,8 @@ from granstudy.model.restitution import check_restitution
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Choice, Solver
 
+FORK = "no run follows or hashes this module (granstudy.support.fingerprint)"
+
 
 def choose(scene: Scene, solver: Solver) -> Choice:
     """Choose what a solver leaves open: N and R for its tolerance, then the method.

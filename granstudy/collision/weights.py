@@ -12,6 +12,10 @@ from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.sphere import sphere_area, sphere_mean
 
 SphereMean = Callable[[int, np.ndarray], np.ndarray]
+"""Mean of e^{iσ·x} over the unit sphere from the dimension and |x|: `sphere_mean`, or the paper's."""
+
+RestitutionLaw = Callable[[np.ndarray], np.ndarray]
+"""Restitution e as a function of the normal impact speed |g·ω|."""
 
 
 def alpha(restitution: np.ndarray | float) -> np.ndarray | float:
@@ -40,9 +44,6 @@ def loss_weight(
     measure = radial_measure(kernel, grid.dim, rho, w_rho)
     means = mean(grid.dim, np.pi / grid.L * np.sqrt(m2)[:, None] * rho)
     return sphere_area(grid.dim) * (means @ measure)[place].reshape(place.shape)
-
-
-RestitutionLaw = Callable[[np.ndarray], np.ndarray]
 
 
 def mean_phase(

@@ -15,6 +15,8 @@ from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.particles.simulation import simulate_particles
 
+FORK = "no run follows or hashes this module (granstudy.support.fingerprint)"
+
 
 def simulate(
     scene: Scene,

@@ -12,6 +12,9 @@ PRODUCTS = frozenset({"dealias", "precision", "device"})
 """Fields that say how the products of a sum over nodes are formed, and where."""
 
 
+FORK = "no run follows or hashes this module (granstudy.support.fingerprint)"
+
+
 @dataclass(frozen=True)
 class Method:
     """What a method takes.

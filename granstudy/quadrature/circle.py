@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from granstudy.quadrature.rule import Rule
+from granstudy.quadrature.rule import Rule, check_size
 
 
 def circle_rule(M_cir: int) -> Rule:
@@ -17,8 +17,7 @@ def circle_rule(M_cir: int) -> Rule:
     ValueError
         If `M_cir` is not a positive integer.
     """
-    if isinstance(M_cir, bool) or not isinstance(M_cir, (int, np.integer)) or M_cir < 1:
-        raise ValueError(f"M_cir={M_cir!r}: must be a positive integer")
+    check_size("M_cir", M_cir)
     theta = 2 * np.pi * np.arange(M_cir) / M_cir
     points = np.column_stack([np.cos(theta), np.sin(theta)])
     weights = np.full(M_cir, 2 * np.pi / M_cir)

@@ -16,5 +16,5 @@ def design_file(M_sph: int) -> str:
 
 def design_points(M_sph: int) -> NDArray:
     """Points of the shipped design, shape (M_sph, 3); row i + M_sph/2 is minus row i."""
-    text = files("granstudy.quadrature").joinpath("data", design_file(M_sph)).read_text("utf-8")
+    text = files(__package__).joinpath("data", design_file(M_sph)).read_text("utf-8")
     return np.loadtxt(text.splitlines())

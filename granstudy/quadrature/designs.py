@@ -33,17 +33,6 @@ from granstudy.quadrature.design_data import DESIGN_DEGREE, design_file
 from granstudy.quadrature.harmonics import harmonic_gradients, harmonics, residual
 from granstudy.velocity.symmetry import Symmetry, move
 
-__all__ = [
-    "ORBITS",
-    "Design",
-    "Orbits",
-    "compute_design",
-    "main",
-    "residual",
-    "smallest_angle",
-    "write_design",
-]
-
 STARTS = 64
 """Starting points tried for each size."""
 

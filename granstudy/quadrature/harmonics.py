@@ -16,8 +16,6 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["EXACT_TOLERANCE", "exact_degree", "harmonic_gradients", "harmonics", "residual"]
-
 EXACT_TOLERANCE = 1e-12
 """Residual below which a harmonic counts as integrated exactly: points stored with 15 digits
 leave about 1e-15, a generic rule one degree beyond its own leaves 1e-3 or more."""

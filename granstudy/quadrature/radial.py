@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.special import roots_jacobi
 
-from granstudy.quadrature.rule import Rule
+from granstudy.quadrature.rule import Rule, check_size
+from granstudy.support.checks import check_positive
 from granstudy.support.errors import unknown_name
 
 RADIAL_RULES = ("legendre", "jacobi")
@@ -31,10 +32,8 @@ def radial_rule(N_rho: int, R: float, rule: str = "legendre", exponent: float = 
         If `N_rho` is not a positive integer, `R` not positive, `exponent` not above −1, or `rule`
         not known.
     """
-    if isinstance(N_rho, bool) or not isinstance(N_rho, (int, np.integer)) or N_rho < 1:
-        raise ValueError(f"N_rho={N_rho!r}: must be a positive integer")
-    if not (np.isfinite(R) and R > 0):
-        raise ValueError(f"R={R!r}: must be a positive number")
+    check_size("N_rho", N_rho)
+    check_positive("R", R)
     if not (np.isfinite(exponent) and exponent > -1):
         raise ValueError(f"exponent={exponent!r}: must be a number above -1 (integrable at 0)")
     if rule == "legendre":

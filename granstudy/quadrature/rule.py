@@ -118,6 +118,17 @@ def half(rule: Rule) -> Rule:
     return Rule(points, weights, degree, f"half of {rule.name}")
 
 
+def is_size(value: object) -> bool:
+    """Whether ``value`` is an integer of at least 1, Python's or NumPy's."""
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and int(value) >= 1
+
+
+def check_size(field: str, value: object) -> None:
+    """Raise ValueError unless ``value`` is an integer of at least 1, Python's or NumPy's."""
+    if not is_size(value):
+        raise ValueError(f"{field}={value!r}: must be a positive integer")
+
+
 def check_unit_vectors(field: str, points: NDArray[np.float64]) -> None:
     """Raise a ValueError naming `field` and the worst row if a row is not of unit length."""
     deviation = np.abs(np.linalg.norm(points, axis=1) - 1)

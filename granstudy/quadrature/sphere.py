@@ -11,7 +11,7 @@ from scipy.integrate import lebedev_rule
 
 from granstudy.quadrature.design_data import DESIGN_DEGREE, design_points
 from granstudy.quadrature.harmonics import exact_degree
-from granstudy.quadrature.rule import Rule, check_unit_vectors
+from granstudy.quadrature.rule import Rule, check_unit_vectors, is_size
 from granstudy.support.errors import unknown_name
 
 LEBEDEV_DEGREE = {
@@ -139,7 +139,7 @@ def _from_file(M_sph: Size, path: str | os.PathLike[str]) -> Rule:
     if points.shape[1] != 3 or len(points) == 0 or not np.all(np.isfinite(points)):
         raise ValueError(f"{field}: shape {points.shape}; must be finite unit vectors, 3 columns")
     check_unit_vectors(field, points)
-    if M_sph is not None and not (_is_count(M_sph) and M_sph == len(points)):
+    if M_sph is not None and not (is_size(M_sph) and M_sph == len(points)):
         raise ValueError(f"M_sph={M_sph!r}: {field} has {len(points)} points")
     return _equal_weights(points, exact_degree(points), Path(path).name)
 
@@ -147,7 +147,7 @@ def _from_file(M_sph: Size, path: str | os.PathLike[str]) -> Rule:
 def _listed_size(M_sph: Size, rule: str) -> int:
     """M_sph as an int if it is one of the rule's sizes, else an error with the nearest ones."""
     sizes = sphere_sizes(rule)
-    if isinstance(M_sph, (int, np.integer)) and not isinstance(M_sph, bool) and M_sph in sizes:
+    if is_size(M_sph) and M_sph in sizes:
         return int(M_sph)
     shown = ", ".join(map(str, sizes if len(sizes) <= 12 else sizes[:12]))
     shown += ", ..." if len(sizes) > 12 else ""
@@ -165,13 +165,9 @@ def _listed_size(M_sph: Size, rule: str) -> int:
 
 def _pair(M_sph: Size | Sequence[int]) -> tuple[int, int]:
     """M_sph as the pair (N_theta, N_phi)."""
-    if isinstance(M_sph, (tuple, list)) and len(M_sph) == 2 and all(map(_is_count, M_sph)):
+    if isinstance(M_sph, (tuple, list)) and len(M_sph) == 2 and all(map(is_size, M_sph)):
         return int(M_sph[0]), int(M_sph[1])
     raise ValueError(
         f"M_sph={M_sph!r}: rule 'gauss-theta-phi' takes a pair (N_theta, N_phi) of positive "
         "integers, as (6, 8)"
     )
-
-
-def _is_count(value: object) -> bool:
-    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and int(value) >= 1

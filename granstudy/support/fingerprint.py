@@ -13,16 +13,10 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
 
-FORKS = frozenset(
-    {
-        "granstudy.collision.operator",
-        "granstudy.collision.choice.methods",
-        "granstudy.evolution.simulate",
-        "granstudy.model.methods",
-    }
-)
-"""Modules that only choose between others, or say what can be chosen. They are neither followed nor hashed: whoever asks for a fingerprint
-names the branch that is taken. So a new method or a new row changes no run."""
+FORK_NAME = "FORK"
+"""Name that a module defines to say that it is a fork: it only chooses between others, or says what can be
+chosen. A fork is neither followed nor hashed: whoever asks for a fingerprint names the branch that is taken. So a
+new method, a row in such a module, changes no run."""
 
 
 def fingerprint(modules: Iterable[str]) -> str:
@@ -31,7 +25,7 @@ def fingerprint(modules: Iterable[str]) -> str:
     waiting = list(modules)
     while waiting:
         module = waiting.pop()
-        if module not in found | FORKS:
+        if module not in found and not is_fork(module):
             found.add(module)
             waiting.extend(imported_modules(module))
     digest = hashlib.sha256()
@@ -55,6 +49,15 @@ def imported_modules(module: str) -> tuple[str, ...]:
             found.extend(a.name for a in node.names if a.name.startswith("granstudy"))
     # `from granstudy import x` must not drag in the whole public API of the package.
     return tuple(name for name in dict.fromkeys(found) if name != "granstudy")
+
+
+@cache
+def is_fork(module: str) -> bool:
+    """Whether a module says that it only chooses between others."""
+    return any(
+        isinstance(node, ast.Assign) and FORK_NAME in [getattr(name, "id", "") for name in node.targets]
+        for node in ast.parse(_source(module).read_text()).body
+    )
 
 
 @cache

@@ -2,10 +2,6 @@
 
 import numpy as np
 
-from granstudy.velocity.space import check_dim
-
-__all__ = ["check_dim", "check_exponent", "check_restitution", "check_tensor"]
-
 
 def check_restitution(restitution: float | np.ndarray) -> None:
     """Raise ValueError unless ``restitution`` is a number in [0, 1], or an array of such."""

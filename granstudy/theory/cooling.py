@@ -4,7 +4,8 @@ import numpy as np
 from scipy.special import gamma
 
 from granstudy.model.kernel import VHS
-from granstudy.theory.checks import check_dim, check_restitution
+from granstudy.theory.checks import check_restitution
+from granstudy.velocity.space import check_dim
 from granstudy.velocity.sphere import sphere_area
 
 MAXWELL_COOLING = "exponent=0: Maxwell molecules cool exponentially; Haff's law needs λ > 0"

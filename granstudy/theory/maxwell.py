@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from granstudy.theory.checks import check_dim, check_restitution, check_tensor
+from granstudy.theory.checks import check_restitution, check_tensor
+from granstudy.velocity.space import check_dim
 
 
 class MomentRates(NamedTuple):

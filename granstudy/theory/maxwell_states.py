@@ -20,7 +20,8 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import gammaln, hyp2f1, roots_jacobi
 
-from granstudy.theory.checks import check_dim, check_restitution
+from granstudy.theory.checks import check_restitution
+from granstudy.velocity.space import check_dim
 
 
 def maxwell_cooling_moments(order: int, restitution: float, dim: int) -> np.ndarray:

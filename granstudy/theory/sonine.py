@@ -15,7 +15,8 @@ The kernel is the paper's, without angular factor: in 3D at λ = 1 that of hard 
 van Noije & Ernst; real hard disks scatter otherwise than this kernel does in 2D, and their a2 is another.
 """
 
-from granstudy.theory.checks import check_dim, check_exponent, check_restitution
+from granstudy.theory.checks import check_exponent, check_restitution
+from granstudy.velocity.space import check_dim
 
 
 def cooling_state_a2(restitution: float, dim: int = 3, exponent: float = 1.0) -> float:

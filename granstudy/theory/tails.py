@@ -16,8 +16,9 @@ power, `maxwell_tail_exponent`.
 import numpy as np
 
 from granstudy.model.kernel import VHS
-from granstudy.theory.checks import check_dim, check_exponent, check_restitution
+from granstudy.theory.checks import check_exponent, check_restitution
 from granstudy.theory.cooling import cooling_correction, gaussian_cooling_coefficient
+from granstudy.velocity.space import check_dim
 from granstudy.velocity.sphere import sphere_area
 
 

@@ -1,6 +1,6 @@
 """The velocity grid: nodes, wavenumbers, box and truncation radius (docs/method.md §2)."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -8,7 +8,13 @@ from typing import Any
 import numpy as np
 import scipy.fft
 
-from granstudy.velocity.space import VelocityMoments, check_dim, check_point_count, check_radius
+from granstudy.velocity.space import (
+    Term,
+    VelocityMoments,
+    check_dim,
+    check_point_count,
+    check_radius,
+)
 
 BOX_RATIO = (3.0 + np.sqrt(2.0)) / 4.0
 """L / R: the smallest box in which the truncated collisions of a ball of radius R/2 do not overlap."""
@@ -43,6 +49,26 @@ class VelocityGrid:
         check_radius(self.R)
 
     @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape (N,)*dim of a density on this grid."""
+        return (self.N,) * self.dim
+
+    @property
+    def three_axis_shape(self) -> tuple[int, int, int]:
+        """Shape (N, N', N) of a density with three axes in both dimensions: N' = N in 3D, 1 in 2D."""
+        return (self.N, self.N if self.dim == 3 else 1, self.N)
+
+    @property
+    def half_spectrum_shape(self) -> tuple[int, int, int]:
+        """Shape (N, N', N/2+1) of what a real transform makes of `three_axis_shape`."""
+        return (*self.three_axis_shape[:2], self.N // 2 + 1)
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Names of a density's axes: vx, vy[, vz]."""
+        return ("vx", "vy", "vz")[: self.dim]
+
+    @property
     def L(self) -> float:
         """Half-width of the box D_L = [−L, L]^d."""
         return float(BOX_RATIO * self.R)
@@ -58,14 +84,9 @@ class VelocityGrid:
         return self.spacing**self.dim
 
     @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape (N,)*dim of a density on this grid."""
-        return (self.N,) * self.dim
-
-    @property
-    def axes(self) -> tuple[str, ...]:
-        """Names of a density's axes: vx, vy[, vz]."""
-        return ("vx", "vy", "vz")[: self.dim]
+    def measure(self) -> float:
+        """Weight of every node in the integral over velocity."""
+        return self.cell
 
     @cached_property
     def nodes(self) -> np.ndarray:
@@ -77,15 +98,19 @@ class VelocityGrid:
         """The N integer wavenumbers of one dimension in FFT order, −N/2 unpaired."""
         return np.fft.fftfreq(self.N, 1.0 / self.N).round().astype(np.int64)
 
+    @property
+    def largest_laplacian(self) -> float:
+        """Largest |eigenvalue| of the Laplacian, d (πN/2L)²."""
+        return float(self.dim * (np.pi / self.spacing) ** 2)
+
+    @cached_property
+    def largest_dilation(self) -> float:
+        """Largest |eigenvalue| of `dilation`, d times that of one dimension."""
+        return float(self.dim * np.max(np.abs(np.linalg.eigvals(self._dilation))))
+
     def velocities(self) -> tuple[np.ndarray, ...]:
         """Velocity components as ``dim`` arrays that broadcast to `shape`."""
         return tuple(np.meshgrid(*(self.nodes,) * self.dim, indexing="ij", sparse=True))
-
-    def wavenumber_squared(self, half: bool = False) -> np.ndarray:
-        """|k|² as integers, on the full spectrum or on the half a real transform stores."""
-        k = self.wavenumbers
-        axes = [k] * (self.dim - 1) + [k[: self.N // 2 + 1] if half else k]
-        return sum(np.square(m) for m in np.meshgrid(*axes, indexing="ij", sparse=True))
 
     def coordinates(self) -> dict[str, Any]:
         """The nodes of every axis, labelled."""
@@ -93,6 +118,12 @@ class VelocityGrid:
             axis: (axis, self.nodes, {"long_name": f"velocity {axis[1]}", "units": "1"})
             for axis in self.axes
         }
+
+    def wavenumber_squared(self, half: bool = False) -> np.ndarray:
+        """|k|² as integers, on the full spectrum or on the half a real transform stores."""
+        k = self.wavenumbers
+        axes = [k] * (self.dim - 1) + [k[: self.N // 2 + 1] if half else k]
+        return sum(np.square(m) for m in np.meshgrid(*axes, indexing="ij", sparse=True))
 
     def velocity_moments(self, f: np.ndarray) -> VelocityMoments:
         """Moments of a density by the midpoint rule (paper eqs. 19 to 21)."""
@@ -107,11 +138,6 @@ class VelocityGrid:
             pressure=np.array([[(ci * cj * f).sum() for cj in c] for ci in c]) * self.cell,
             fourth=(sum(ci**2 for ci in c) ** 2 * f).sum() * self.cell,
         )
-
-    @property
-    def measure(self) -> float:
-        """Weight of every node in the integral over velocity."""
-        return self.cell
 
     def invariants(self) -> dict[str, np.ndarray]:
         """1, the d components of v and ½|v|² at the nodes, shapes (n, *shape)."""
@@ -138,18 +164,7 @@ class VelocityGrid:
         """Δv f of a real density by the multiplier −(π|k|/L)² (docs/method.md §3)."""
         return scipy.fft.irfftn(self._laplacian * scipy.fft.rfftn(f), s=self.shape)
 
-    @cached_property
-    def _laplacian(self) -> np.ndarray:
-        return -((np.pi / self.L) ** 2) * self.wavenumber_squared(half=True)
-
-    @property
-    def largest_laplacian(self) -> float:
-        """Largest |eigenvalue| of the Laplacian, d (πN/2L)²."""
-        return float(self.dim * (np.pi / self.spacing) ** 2)
-
-    def laplacian_functions(
-        self, x: float, terms: Sequence[tuple[Callable[[np.ndarray], np.ndarray], np.ndarray]]
-    ) -> np.ndarray:
+    def laplacian_functions(self, x: float, terms: Sequence[Term]) -> np.ndarray:
         """Σ φ(xΔ) f over the ``terms`` (φ, f), f real."""
         spectrum = sum(phi(x * self._laplacian) * scipy.fft.rfftn(f) for phi, f in terms)
         return scipy.fft.irfftn(spectrum, s=self.shape)
@@ -163,18 +178,8 @@ class VelocityGrid:
         return np.asarray(sum(_along(self._dilation, f, axis) for axis in range(self.dim)))
 
     @cached_property
-    def _dilation(self) -> np.ndarray:
-        """Matrix of d/dv v· = ½(d/dv v· + v· d/dv + 1), whose eigenvalues have the real part ½.
-
-        So what flows to the border of the box, where v jumps, does not pile up there.
-        """
-        D, v = self._derivative, self.nodes
-        return 0.5 * (D * v + v[:, None] * D + np.eye(self.N))
-
-    @cached_property
-    def largest_dilation(self) -> float:
-        """Largest |eigenvalue| of `dilation`, d times that of one dimension."""
-        return float(self.dim * np.max(np.abs(np.linalg.eigvals(self._dilation))))
+    def _laplacian(self) -> np.ndarray:
+        return -((np.pi / self.L) ** 2) * self.wavenumber_squared(half=True)
 
     @cached_property
     def _derivative(self) -> np.ndarray:
@@ -182,6 +187,15 @@ class VelocityGrid:
         k = np.where(self.wavenumbers == -self.N // 2, 0, self.wavenumbers)
         waves = scipy.fft.fft(np.eye(self.N), axis=0)
         return scipy.fft.ifft(1j * np.pi / self.L * k[:, None] * waves, axis=0).real
+
+    @cached_property
+    def _dilation(self) -> np.ndarray:
+        """Matrix of d/dv v· = ½(d/dv v· + v· d/dv + 1), whose eigenvalues have the real part ½.
+
+        So what flows to the border of the box, where v jumps, does not pile up there.
+        """
+        D, v = self._derivative, self.nodes
+        return 0.5 * (D * v + v[:, None] * D + np.eye(self.N))
 
 
 def _along(matrix: np.ndarray, f: np.ndarray, axis: int) -> np.ndarray:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from granstudy.velocity.space import VelocityMoments, VelocitySpace
+from granstudy.velocity.space import VelocityMoments, VelocitySpace, check_shape
 
 COMPONENTS = ("x", "y", "z")
 
@@ -113,8 +113,7 @@ def moments(f: np.ndarray, grid: VelocitySpace) -> xr.Dataset:
     ValueError
         If ``f`` has another shape than the grid.
     """
-    if np.shape(f) != grid.shape:
-        raise ValueError(f"f has shape {np.shape(f)}: the grid's is {grid.shape}")
+    check_shape(f, grid)
     values = moment_values(np.real(f), grid)
     components = list(COMPONENTS[: grid.dim])
     return xr.Dataset(

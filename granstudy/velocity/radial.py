@@ -1,6 +1,6 @@
 """The radial grid: isotropic densities by their values at N speeds (docs/method.md §7)."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -9,7 +9,14 @@ import numpy as np
 from scipy.special import j1, jn_zeros
 
 from granstudy.velocity.cartesian import VelocityGrid
-from granstudy.velocity.space import VelocityMoments, check_dim, check_node_count, check_radius
+from granstudy.velocity.space import (
+    Term,
+    VelocityMoments,
+    check_dim,
+    check_node_count,
+    check_radius,
+    check_shape,
+)
 from granstudy.velocity.sphere import sphere_area, sphere_mean, sphere_mean_slope
 
 BALL_RATIO = 1.3
@@ -58,6 +65,16 @@ class RadialGrid:
         check_radius(self.R)
 
     @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape (N,) of a density on this grid."""
+        return (self.N,)
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Name of a density's one axis."""
+        return ("r",)
+
+    @property
     def L(self) -> float:
         """Radius of the ball on which densities live."""
         return float(BALL_RATIO * self.R)
@@ -68,20 +85,9 @@ class RadialGrid:
         return float(np.pi / self.wavenumbers[-1])
 
     @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape (N,) of a density on this grid."""
-        return (self.N,)
-
-    @property
-    def axes(self) -> tuple[str, ...]:
-        """Name of a density's one axis."""
-        return ("r",)
-
-    @cached_property
-    def _zeros(self) -> np.ndarray:
-        """The first N+1 zeros of M."""
-        count = self.N + 1
-        return jn_zeros(0, count) if self.dim == 2 else np.pi * np.arange(1.0, count + 1)
+    def measure(self) -> np.ndarray:
+        """Weights of the integral over velocity."""
+        return self.weights
 
     @cached_property
     def nodes(self) -> np.ndarray:
@@ -105,39 +111,15 @@ class RadialGrid:
         """Matrix from the values f_j to the coefficients c_m."""
         return np.linalg.inv(self._synthesis)
 
-    @cached_property
-    def _synthesis(self) -> np.ndarray:
-        """Matrix from the coefficients c_m to the values f_j."""
-        return self.mode_values(self.nodes)
-
-    @cached_property
-    def _laplacian(self) -> np.ndarray:
-        return (self._synthesis * -(self.wavenumbers**2)) @ self.analysis
-
     @property
     def largest_laplacian(self) -> float:
         """Largest |eigenvalue| of the Laplacian, k_N²."""
         return float(self.wavenumbers[-1] ** 2)
 
     @cached_property
-    def _dilation(self) -> np.ndarray:
-        """D + r d/dr, with x M'(x) at x = k_m r_j for r dM/dr."""
-        slopes = sphere_mean_slope(self.dim, np.multiply.outer(self.nodes, self.wavenumbers))
-        return self.dim * np.eye(self.N) + slopes @ self.analysis
-
-    @cached_property
     def largest_dilation(self) -> float:
         """Largest |eigenvalue| of `dilation`."""
         return float(np.max(np.abs(np.linalg.eigvals(self._dilation))))
-
-    @cached_property
-    def _powers(self) -> np.ndarray:
-        """Weights of ∫f, ∫|v|² f and ∫|v|⁴ f."""
-        return self.weights * self.nodes ** np.array([[0], [2], [4]])
-
-    def mode_values(self, speeds: np.ndarray) -> np.ndarray:
-        """M(k_m r) of the N modes (last axis) at given speeds."""
-        return sphere_mean(self.dim, np.multiply.outer(speeds, self.wavenumbers))
 
     def velocities(self) -> tuple[np.ndarray, ...]:
         """Velocities (r_j, 0, ...), which stand for all directions: ``dim`` arrays of shape (N,)."""
@@ -165,11 +147,6 @@ class RadialGrid:
             fourth=fourth,
         )
 
-    @property
-    def measure(self) -> np.ndarray:
-        """Weights of the integral over velocity."""
-        return self.weights
-
     def invariants(self) -> dict[str, np.ndarray]:
         """1 and ½r² at the nodes, shape (1, N); no momentum, which is 0 for every isotropic density."""
         return {
@@ -187,18 +164,11 @@ class RadialGrid:
         power = (self.analysis @ f) ** 2 * self._mode_norms
         return float(power[3 * self.N // 4 :].sum() / power.sum())
 
-    @cached_property
-    def _mode_norms(self) -> np.ndarray:
-        """∫ M(k_m|v|)² dv over the ball, by the grid's own quadrature."""
-        return self.weights @ self.mode_values(self.nodes) ** 2
-
     def laplacian(self, f: np.ndarray) -> np.ndarray:
         """Δv f: the multiplier −k_m² on the coefficients, at the nodes."""
         return self._laplacian @ f
 
-    def laplacian_functions(
-        self, x: float, terms: Sequence[tuple[Callable[[np.ndarray], np.ndarray], np.ndarray]]
-    ) -> np.ndarray:
+    def laplacian_functions(self, x: float, terms: Sequence[Term]) -> np.ndarray:
         """Σ φ(xΔ) f over the ``terms`` (φ, f)."""
         eigenvalues = -(self.wavenumbers**2)
         return self._synthesis @ sum(phi(x * eigenvalues) * (self.analysis @ f) for phi, f in terms)
@@ -211,9 +181,13 @@ class RadialGrid:
         """∇v·(v f) = d f + r f'(r) (docs/method.md §5)."""
         return self._dilation @ f
 
+    def mode_values(self, speeds: np.ndarray) -> np.ndarray:
+        """M(k_m r) of the N modes (last axis) at given speeds."""
+        return sphere_mean(self.dim, np.multiply.outer(speeds, self.wavenumbers))
+
     def evaluate(self, f: np.ndarray, speeds: np.ndarray) -> np.ndarray:
         """The density at any speeds: its Fourier–Bessel series, 0 from L on."""
-        self._check_shape(f)
+        check_shape(f, self)
         speeds = np.asarray(speeds, dtype=float)
         values = self.mode_values(speeds) @ (self.analysis @ f)
         return np.where(speeds < self.L, values, 0.0)
@@ -247,8 +221,7 @@ class RadialGrid:
             If the grid is of another dimension, or ``F`` of another shape than its own.
         """
         self._check_grid(grid)
-        if np.shape(F) != grid.shape:
-            raise ValueError(f"density has shape {np.shape(F)}: the grid's is {grid.shape}")
+        check_shape(F, grid)
         # The phase that the first node, at −L + h/2 in every direction, takes off.
         phase = np.exp(-1j * np.pi / grid.L * grid.wavenumbers * grid.nodes[0])
         F_hat = np.fft.fftn(F) / F.size
@@ -260,9 +233,36 @@ class RadialGrid:
         values = sphere_mean(self.dim, np.multiply.outer(self.nodes, k)) @ c
         return np.where(self.nodes < grid.L, values, 0.0)
 
-    def _check_shape(self, f: np.ndarray) -> None:
-        if np.shape(f) != self.shape:
-            raise ValueError(f"density has shape {np.shape(f)}: the grid's is {self.shape}")
+    @cached_property
+    def _zeros(self) -> np.ndarray:
+        """The first N+1 zeros of M."""
+        count = self.N + 1
+        return jn_zeros(0, count) if self.dim == 2 else np.pi * np.arange(1.0, count + 1)
+
+    @cached_property
+    def _synthesis(self) -> np.ndarray:
+        """Matrix from the coefficients c_m to the values f_j."""
+        return self.mode_values(self.nodes)
+
+    @cached_property
+    def _laplacian(self) -> np.ndarray:
+        return (self._synthesis * -(self.wavenumbers**2)) @ self.analysis
+
+    @cached_property
+    def _dilation(self) -> np.ndarray:
+        """D + r d/dr, with x M'(x) at x = k_m r_j for r dM/dr."""
+        slopes = sphere_mean_slope(self.dim, np.multiply.outer(self.nodes, self.wavenumbers))
+        return self.dim * np.eye(self.N) + slopes @ self.analysis
+
+    @cached_property
+    def _powers(self) -> np.ndarray:
+        """Weights of ∫f, ∫|v|² f and ∫|v|⁴ f."""
+        return self.weights * self.nodes ** np.array([[0], [2], [4]])
+
+    @cached_property
+    def _mode_norms(self) -> np.ndarray:
+        """∫ M(k_m|v|)² dv over the ball, by the grid's own quadrature."""
+        return self.weights @ self.mode_values(self.nodes) ** 2
 
     def _check_grid(self, grid: VelocityGrid) -> None:
         if grid.dim != self.dim:

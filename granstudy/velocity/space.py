@@ -5,6 +5,14 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from granstudy.support.checks import check_positive
+
+INVARIANTS = ("mass", "momentum", "energy")
+"""What elastic collisions conserve: the keys of `VelocitySpace.invariants`."""
+
+Term = tuple[Callable[[np.ndarray], np.ndarray], np.ndarray]
+"""A function of the Laplacian, and the density that it acts on."""
+
 
 class VelocityMoments(NamedTuple):
     """Integrals over velocity of a density f on a grid (paper eqs. 19 to 21)."""
@@ -84,9 +92,7 @@ class VelocitySpace(Protocol):
     def laplacian(self, f: np.ndarray) -> np.ndarray:
         """Δv f, exact for what the grid represents."""
 
-    def laplacian_functions(
-        self, x: float, terms: Sequence[tuple[Callable[[np.ndarray], np.ndarray], np.ndarray]]
-    ) -> np.ndarray:
+    def laplacian_functions(self, x: float, terms: Sequence[Term]) -> np.ndarray:
         """Σ φ(xΔ) f over the ``terms`` (φ, f), φ a function of the Laplacian's eigenvalues times x."""
 
     def gradient(self, f: np.ndarray) -> list[np.ndarray]:
@@ -116,12 +122,10 @@ def check_node_count(N: int) -> None:
 
 def check_radius(R: float) -> None:
     """Raise ValueError unless ``R`` can be the truncation radius."""
-    if not (np.isfinite(R) and R > 0):
-        raise ValueError(f"R={R!r}: must be a positive number")
+    check_positive("R", R)
 
 
-Term = tuple[Callable[[np.ndarray], np.ndarray], np.ndarray]
-"""A function of the Laplacian, and the state that it acts on."""
-
-
-INVARIANTS = ("mass", "momentum", "energy")
+def check_shape(f: np.ndarray, grid: VelocitySpace) -> None:
+    """Raise ValueError unless ``f`` has the shape of a density on ``grid``."""
+    if np.shape(f) != grid.shape:
+        raise ValueError(f"density has shape {np.shape(f)}: the grid's is {grid.shape}")

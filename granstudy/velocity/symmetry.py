@@ -161,20 +161,6 @@ class Symmetry:
         return cache[shape]
 
 
-@numba.njit(nogil=True, cache=True)
-def _average(f, images, result):
-    """The mean over each orbit, at all of its points."""
-    count, orbits = images.shape
-    means = np.zeros(orbits, f.dtype)
-    for h in range(count):
-        for orbit in range(orbits):
-            means[orbit] += f[images[h, orbit]]
-    means /= count
-    for h in range(count):
-        for orbit in range(orbits):
-            result[images[h, orbit]] = means[orbit]
-
-
 def stabiliser(group: Symmetry, vector: Iterable[float]) -> Symmetry:
     """The elements that leave a vector as it is."""
     u = np.asarray(list(vector))
@@ -239,3 +225,17 @@ def _broken(group: Symmetry, what: str, h: Element, change: float) -> ValueError
         f"symmetry={group.name!r}: {what} does not have it; {triplet(h)} changes it by "
         f"{change:.1e} of its largest value, allowed is {TOLERANCE:.0e}"
     )
+
+
+@numba.njit(nogil=True, cache=True)
+def _average(f, images, result):
+    """The mean over each orbit, at all of its points."""
+    count, orbits = images.shape
+    means = np.zeros(orbits, f.dtype)
+    for h in range(count):
+        for orbit in range(orbits):
+            means[orbit] += f[images[h, orbit]]
+    means /= count
+    for h in range(count):
+        for orbit in range(orbits):
+            result[images[h, orbit]] = means[orbit]

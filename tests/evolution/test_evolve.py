@@ -49,7 +49,8 @@ def test_maxwell_molecules_follow_the_exact_law_at_order_three(variant):
 
 def equation(operator, diffusion):
     form = representation(operator, gs.Symmetry.named(2, "full"))
-    return FixedFrame(form, collisions(operator), diffusion)
+    scene = gs.load_scene("maxwellian2d", restitution=0.5, diffusion=diffusion)
+    return FixedFrame(form, collisions(operator), scene)
 
 
 @pytest.mark.parametrize("method", ["fast", "literal"])

@@ -1,6 +1,11 @@
+import dataclasses
 import os
 
+import pytest
+
 import granstudy as gs
+from granstudy.model.methods import METHODS
+from granstudy.model.solver import SizedSolver
 
 
 def test_the_paper_is_the_default():
@@ -24,8 +29,6 @@ def test_threads_change_no_description():
 def test_the_device_is_described_where_it_is_not_the_cpu():
     assert gs.Solver(8, 5.0, device="gpu").describe()["device"] == "gpu"
     assert "device" not in gs.Solver(8, 5.0, device="cpu").describe()
-    fast, adaptive = gs.Solver(8, 5.0, device="gpu"), gs.Solver(8, 5.0, rtol=1e-3, device="gpu")
-    assert (fast.operator, adaptive.operator) == ("fast on gpu", "adaptive on gpu")
 
 
 def test_a_tolerance_takes_the_place_of_sizes():
@@ -33,4 +36,30 @@ def test_a_tolerance_takes_the_place_of_sizes():
     assert solver.describe()["rtol"] == 1e-3
     assert not {"N_rho", "M_sph", "sphere_rule"} & set(solver.describe())
     assert "rtol" not in gs.Solver(8, 5.0).describe()
-    assert (solver.operator, gs.Solver(8, 5.0).operator) == ("adaptive", "fast")
+
+
+def test_a_sized_solver_is_the_same_solver():
+    solver = gs.Solver(8, 5.0, method="radial")
+    sized = solver.sized()
+    assert isinstance(sized, SizedSolver) and sized.sized() is sized
+    assert solver == sized and hash(solver) == hash(sized)
+    assert solver.describe() == sized.describe()
+    assert solver != gs.Solver(8, 5.0)
+
+
+def test_an_open_solver_has_no_size():
+    with pytest.raises(ValueError, match="N=None: choose N and R first"):
+        gs.Solver(rtol=1e-3).sized()
+    with pytest.raises(ValueError, match="N=None: choose N and R first"):
+        gs.Solver(rtol=1e-3).grid(2)
+
+
+def test_every_field_is_explained():
+    for field in dataclasses.fields(gs.Solver):
+        assert field.metadata["help"], field.name
+
+
+def test_methods_name_fields_of_the_solver():
+    fields = {field.name for field in dataclasses.fields(gs.Solver)}
+    for name, method in METHODS.items():
+        assert method.takes | method.unused <= fields, name

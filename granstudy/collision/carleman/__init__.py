@@ -1,1 +1,1 @@
-"""Carleman."""
+"""The Carleman form of the collision operator, method `carleman` (docs/method.md §8)."""

@@ -7,22 +7,18 @@ one value (Mouhot & Pareschi, Math. Comp. 75, 1833 (2006); Wu, White, Scanlon, R
 Phys. 250, 27 (2013)). Two inverse transforms a pair ±e and product, none forward but that of f.
 """
 
-from dataclasses import dataclass
-
-import numba
 import numpy as np
 
+from granstudy.collision.carleman.filters import ball_modes, half_rule, tabulate
+from granstudy.collision.carleman.loops import filter_modes, sum_products
 from granstudy.collision.carleman.scenes import check_scene
-from granstudy.collision.carleman.weights import Product, loss_profile, mirrored, products
-from granstudy.collision.fourier.fftw import BACKWARD, alternate, execute
-from granstudy.collision.fourier.threads import SHARES, Workers
+from granstudy.collision.carleman.weights import loss_profile, products
+from granstudy.collision.fourier.fftw import BACKWARD, alternate
+from granstudy.collision.fourier.threads import SHARES, Bounds, Workers, split
 from granstudy.collision.fourier.transforms import RealTransforms
 from granstudy.collision.protocol import check_state
-from granstudy.collision.rules import directions
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
-from granstudy.quadrature import Rule, half
-from granstudy.velocity.cartesian import VelocityGrid
 
 
 class CarlemanOperator:
@@ -42,8 +38,7 @@ class CarlemanOperator:
     def __init__(self, scene: Scene, solver: Solver) -> None:
         e = check_scene(scene)
         self.grid = grid = solver.grid(scene.dim)
-        # Arrays have three axes in both dimensions, the second of length 1 in 2D.
-        self._shape = (grid.N, grid.N if grid.dim == 3 else 1, grid.N)
+        self._shape = grid.three_axis_shape
         wavenumbers, self._counts = ball_modes(grid)
         self._starts = np.cumsum(self._counts.ravel()).reshape(self._counts.shape) - self._counts
         k2, place = np.unique(np.square(wavenumbers).sum(axis=1), return_inverse=True)
@@ -56,16 +51,6 @@ class CarlemanOperator:
         )
         self.transforms = 2 * len(self._filters.odd) + 2
         self._plan(solver.thread_count)
-
-    def _plan(self, threads: int) -> None:
-        """Divide the products, and give every thread its buffers and transforms."""
-        count = len(self._filters.odd)
-        share = -(-count // SHARES)
-        bounds = [(start, min(start + share, count)) for start in range(0, count, share)]
-        self._shares = list(enumerate(bounds))
-        self._gains = np.empty((len(bounds), *self._shape))
-        self._single = RealTransforms(self._shape)
-        self._workers = Workers(threads, lambda: _Workspace(self._shape))
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
         """Q(f,f) of a real density."""
@@ -82,8 +67,28 @@ class CarlemanOperator:
         Q -= f * self._single.density
         return Q.reshape(self.grid.shape)
 
+    def transform(self) -> None:
+        """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
+
+        def transform_share(share: tuple[int, Bounds], work: "_FactorBuffers") -> None:
+            start, stop = share[1]
+            alternate(work.of_l.plans, BACKWARD, work.of_m.plans, BACKWARD, stop - start)
+            work.of_l.spectrum[...] = 0.0
+            work.of_m.spectrum[...] = 0.0
+
+        self._single.execute_forward()
+        self._workers.map(transform_share, self._shares)
+        self._single.execute_backward()
+
+    def _plan(self, threads: int) -> None:
+        """Divide the products, and give every thread its buffers and transforms."""
+        self._shares = list(enumerate(split(len(self._filters.odd), SHARES)))
+        self._gains = np.empty((len(self._shares), *self._shape))
+        self._single = RealTransforms(self._shape)
+        self._workers = Workers(threads, lambda: _FactorBuffers(self._shape))
+
     def _sum_share(
-        self, f_hat: np.ndarray, share: tuple[int, tuple[int, int]], work: "_Workspace"
+        self, f_hat: np.ndarray, share: tuple[int, Bounds], work: "_FactorBuffers"
     ) -> None:
         """The gain's sum over one share of the products."""
         index, (start, stop) = share
@@ -103,121 +108,8 @@ class CarlemanOperator:
             self._gains[index].reshape(-1, self.grid.N),
         )
 
-    def transform(self) -> None:
-        """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
 
-        def transform_share(share: tuple[int, tuple[int, int]], work: "_Workspace") -> None:
-            start, stop = share[1]
-            alternate(work.of_l.plans, BACKWARD, work.of_m.plans, BACKWARD, stop - start)
-            work.of_l.spectrum[...] = 0.0
-            work.of_m.spectrum[...] = 0.0
-
-        self._single.execute_forward()
-        self._workers.map(transform_share, self._shares)
-        self._single.execute_backward()
-
-
-def ball_modes(grid: VelocityGrid) -> tuple[np.ndarray, np.ndarray]:
-    """Wavenumbers (n, d) with |l| < N/2 of the half spectrum, and how many each row (N, N') begins with."""
-    k = grid.wavenumbers
-    axes = [k] * (grid.dim - 1) + [k[: grid.N // 2 + 1]]
-    inside = grid.wavenumber_squared(half=True) < (grid.N // 2) ** 2
-    modes = np.stack([a[inside] for a in np.meshgrid(*axes, indexing="ij")], axis=1)
-    return modes, inside.sum(axis=-1).reshape(grid.N, -1)
-
-
-def half_rule(scene: Scene, solver: Solver) -> Rule:
-    """One of each pair ±e; at e = 1 in 2D one of each four where the rule has right angles.
-
-    There x and y, and with them l and m, play the same part, so that e⊥ gives what e gives.
-    """
-    pairs = half(directions(scene, solver))
-    if scene.dim == 2 and scene.restitution == 1.0 and solver.M_cir % 4 == 0:
-        quarter = slice(solver.M_cir // 4)
-        return Rule(pairs.points[quarter], 2 * pairs.weights[quarter], pairs.degree, pairs.name)
-    return pairs
-
-
-@dataclass(frozen=True)
-class Filters:
-    """The filters of l and m on the ball's modes, a row a direction and product, and the loss weight.
-
-    A real odd function of l·e times f̂ is the spectrum of i times a real density. ``odd`` tells where both
-    filters are odd; they take factors −i and i, which leaves their product as it is.
-    """
-
-    of_l: np.ndarray
-    of_m: np.ndarray
-    odd: np.ndarray
-    loss: np.ndarray
-
-
-def tabulate(terms: list[Product], rule: Rule, modes: np.ndarray) -> Filters:
-    """w_e u_j(l·e), p_j(m·e) q(|m⊥|) and G⁻(m) = G⁺(−m,m) with this rule, which conserves mass.
-
-    ``modes`` (n, d) are l and m in units of 1/velocity.
-    """
-    shape = (len(rule), len(terms), len(modes))
-    of_l, of_m = np.empty(shape), np.empty(shape)
-    loss = np.zeros(len(modes))
-    square = np.square(modes).sum(axis=1)
-    # ∫_{−r}^{r} dρ has both of ±e: the integral is over half a sphere
-    for i, (e, w) in enumerate(zip(rule.points, rule.weights / 2, strict=True)):
-        along = modes @ e
-        beside = np.sqrt(np.maximum(square - along**2, 0.0))
-        along, sign = np.abs(along), np.sign(along)
-        for j, term in enumerate(terms):
-            parity = sign if term.odd else 1.0
-            of_l[i, j] = w * parity * term.of_l(along)
-            of_m[i, j] = parity * term.of_m(along) * term.across(beside)
-            loss += w * mirrored(term, along, beside)
-    odd = np.tile([term.odd for term in terms], len(rule))
-    return Filters(of_l.reshape(-1, len(modes)), of_m.reshape(-1, len(modes)), odd, loss)
-
-
-@numba.njit(nogil=True, cache=True)
-def filter_modes(f_hat, weights, odd, turn, counts, starts, out):
-    """Out = weights f̂ on the ball of modes, times i·turn where ``odd``, and 0 elsewhere."""
-    nx, ny, nz = f_hat.shape
-    factor = turn * 1j if odd else 1.0 + 0.0j
-    for i in range(nx):
-        for j in range(ny):
-            count = counts[i, j]
-            start = starts[i, j]
-            if odd:
-                for k in range(count):
-                    out[i, j, k] = factor * (weights[start + k] * f_hat[i, j, k])
-            else:
-                for k in range(count):
-                    out[i, j, k] = weights[start + k] * f_hat[i, j, k]
-            for k in range(count, nz):
-                out[i, j, k] = 0.0
-
-
-@numba.njit(nogil=True, cache=True, fastmath={"contract"})
-def add_product(first, second, total):
-    """Add first·second to total (n n', n); rows of both are padded by in-place transforms."""
-    rows, n = total.shape
-    for j in range(rows):
-        for k in range(n):
-            total[j, k] += first[j, k] * second[j, k]
-
-
-@numba.njit(nogil=True, cache=True)
-def sum_products(
-    f_hat, of_l, of_m, odd, counts, starts, a_spectrum, b_spectrum, a, b, a_plans, b_plans, gain
-):
-    """Gain (n n', n) = Σ ab, where a and b are transformed from f̂ times the filters of l and of m."""
-    gain[:] = 0.0
-    for i in range(len(odd)):
-        filter_modes(f_hat, of_l[i], odd[i], -1, counts, starts, a_spectrum)
-        execute(a_plans, BACKWARD)
-        filter_modes(f_hat, of_m[i], odd[i], 1, counts, starts, b_spectrum)
-        execute(b_plans, BACKWARD)
-        add_product(a, b, gain)
-
-
-class _Workspace:
+class _FactorBuffers:
     """What one thread needs: transforms of either factor."""
 
     def __init__(self, shape: tuple[int, int, int]) -> None:

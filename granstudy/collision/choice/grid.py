@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import scipy.fft
 
-from granstudy.collision.fast.adaptive.error import SIZES, aliasing
+from granstudy.collision.fast.adaptive.aliasing import SIZES, aliasing
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.model.solver import SizedSolver
 from granstudy.support.errors import ToleranceError
 from granstudy.velocity.cartesian import VelocityGrid
 
@@ -27,7 +27,7 @@ R_STEP = 0.25
 """R is a multiple of this."""
 
 
-def fit_solver(scene: Scene, rtol: float, **settings: Any) -> Solver:
+def fit_solver(scene: Scene, rtol: float, **settings: Any) -> SizedSolver:
     """A solver with N, R and the quadrature chosen for a scene and a tolerance.
 
     R: collisions of particles further apart than R exchange no more than rtol of all energy,
@@ -44,10 +44,10 @@ def fit_solver(scene: Scene, rtol: float, **settings: Any) -> Solver:
     ValueError
         If a setting is not allowed, or no box or grid of reasonable size holds the density.
     """
-    Solver(N=SIZES[0], R=1.0, rtol=rtol, **settings)  # checks them before any work
+    SizedSolver(N=SIZES[0], R=1.0, rtol=rtol, **settings)  # checks them before any work
     R = collision_radius(scene, rtol)
     for N in SIZES:
-        solver = Solver(N=N, R=R, rtol=rtol, **settings)
+        solver = SizedSolver(N=N, R=R, rtol=rtol, **settings)
         grid = solver.grid(scene.dim)
         f = scene.density(grid)
         if _holds(grid, f, rtol) and aliasing(scene, solver, f).everywhere <= rtol:

@@ -25,6 +25,8 @@ from granstudy.model.solver import SizedSolver, Solver
 
 Make = Callable[[Scene, SizedSolver], CollisionOperator]
 
+FORK = "no run follows or hashes this module (granstudy.support.fingerprint)"
+
 
 def check_rule(scene: Scene, solver: SizedSolver) -> None:
     """Raise ValueError unless there is a rule of directions of the size asked for."""

@@ -15,19 +15,18 @@ from typing import Protocol
 
 import numpy as np
 
-from granstudy.collision.fast import loops as kernels
+from granstudy.collision.fast import loops
 from granstudy.collision.fast.nodes import Nodes
 from granstudy.collision.fourier import fftw
-from granstudy.collision.fourier.threads import SHARES, Workers
+from granstudy.collision.fourier.threads import SHARES, Bounds, Workers, split
 from granstudy.collision.fourier.transforms import REAL, RealTransforms, aligned_zeros
-from granstudy.collision.weights import alpha, pair_series, sphere_mean
+from granstudy.collision.weights import alpha, pair_series
 from granstudy.model.scene import Scene
 from granstudy.velocity.cartesian import VelocityGrid
+from granstudy.velocity.sphere import sphere_mean
 
 SMALLEST_SHARE = 12
 """Nodes below which a share of the sum is not worth its overhead."""
-
-Bounds = tuple[int, int]
 
 
 class Gain(Protocol):
@@ -78,7 +77,7 @@ class GainSum:
         self.grid = grid
         self.real = REAL[precision]
         self.nodes = nodes
-        self.shape = (grid.N, grid.N if grid.dim == 3 else 1, grid.N)
+        self.shape = grid.three_axis_shape
         self.shares = equal_shares(len(nodes)) if shares is None else list(shares)
         self.transforms = 2 * len(nodes)
         self._weights = nodes.weights / grid.N**grid.dim  # transforms are unnormalised
@@ -86,13 +85,11 @@ class GainSum:
         self._place = place.reshape(grid.N, -1).astype(np.uint32)
         self._f = aligned_zeros((grid.N * self.shape[1], grid.N), self.real)
         self._f_re, self._f_im = (aligned_zeros(self._place.shape, self.real) for _ in range(2))
-        self._gains = aligned_zeros(
-            (len(self.shares), *self.shape[:-1], grid.N // 2 + 1), np.complex128
-        )
+        self._gains = aligned_zeros((len(self.shares), *grid.half_spectrum_shape), np.complex128)
         self._sum = self._choose_weight(scene, k2)
         self._workers = Workers(
             min(threads, max(1, len(self.shares))),
-            lambda: _Workspace(self.shape, precision),
+            lambda: _PairBuffers(self.shape, precision),
         )
 
     def parts(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
@@ -104,7 +101,7 @@ class GainSum:
         self._f_re[...] = f_hat.real.reshape(self._f_re.shape)
         self._f_im[...] = f_hat.imag.reshape(self._f_im.shape)
 
-        def sum_share(item: tuple[Bounds, np.ndarray], work: "_Workspace") -> None:
+        def sum_share(item: tuple[Bounds, np.ndarray], work: "_PairBuffers") -> None:
             bounds, gain = item
             self._sum(slice(*bounds), work, gain)
 
@@ -122,7 +119,7 @@ class GainSum:
     def transform(self) -> None:
         """Make the transforms of one sum on the same threads and nothing else, for benchmarks."""
 
-        def transform_share(share: Bounds, work: "_Workspace") -> None:
+        def transform_share(share: Bounds, work: "_PairBuffers") -> None:
             plans = work.transforms.plans
             fftw.alternate(plans, fftw.BACKWARD, plans, fftw.FORWARD, share[1] - share[0])
             work.transforms.spectrum[...] = 0.0
@@ -141,10 +138,10 @@ class GainSum:
         return partial(self._sum_pairs, pair_shift(scene.restitution), means)
 
     def _sum_pairs(
-        self, beta: float, means: np.ndarray, part: slice, work: "_Workspace", gain: np.ndarray
+        self, beta: float, means: np.ndarray, part: slice, work: "_PairBuffers", gain: np.ndarray
     ) -> None:
         share = self._share(part, work, gain)
-        kernels.sum_pairs(beta, means, work.sum_re, work.sum_im, *share)
+        loops.sum_pairs(beta, means, work.sum_re, work.sum_im, *share)
 
     def _sum_series(
         self,
@@ -152,12 +149,12 @@ class GainSum:
         k2: np.ndarray,
         radii: np.ndarray,
         part: slice,
-        work: "_Workspace",
+        work: "_PairBuffers",
         gain: np.ndarray,
     ) -> None:
-        kernels.sum_series(series, k2, radii, *self._share(part, work, gain))
+        loops.sum_series(series, k2, radii, *self._share(part, work, gain))
 
-    def _share(self, part: slice, work: "_Workspace", gain: np.ndarray) -> tuple[np.ndarray, ...]:
+    def _share(self, part: slice, work: "_PairBuffers", gain: np.ndarray) -> tuple[np.ndarray, ...]:
         """What the sum over a part of the nodes takes, whatever their weight is."""
         nodes, transforms = self.nodes, work.transforms
         return (
@@ -182,11 +179,10 @@ def equal_shares(count: int) -> list[Bounds]:
     shares = SHARES
     while shares > 2 and count < shares * SMALLEST_SHARE:
         shares //= 2
-    size = max(1, -(-count // shares))
-    return [(start, min(start + size, count)) for start in range(0, count, size)]
+    return split(count, shares)
 
 
-class _Workspace:
+class _PairBuffers:
     """What one thread needs: transforms, and the sum over the shell it is in."""
 
     def __init__(self, shape: tuple[int, int, int], precision: str) -> None:

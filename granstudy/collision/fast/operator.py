@@ -15,7 +15,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from granstudy.collision.fast import loops as kernels
+from granstudy.collision.fast import loops
 from granstudy.collision.fast.gain import Gain, GainSum
 from granstudy.collision.fast.nodes import Nodes, place_nodes
 from granstudy.collision.fourier.spectra import resize, serial_transforms
@@ -51,7 +51,7 @@ class NodalOperator:
         self.gain = gain
         self.group = group
         self._loss = loss.astype(np.complex128)  # as NumPy multiplies spectra fastest
-        self._shape = (grid.N, grid.N if grid.dim == 3 else 1, grid.N)
+        self._shape = grid.three_axis_shape
         self._single = RealTransforms(self._shape)
         self._lost = RealTransforms(self._shape)
         self._inner = self._single if gain.grid == grid else RealTransforms(gain.shape)
@@ -73,7 +73,7 @@ class NodalOperator:
             self._single.execute_backward()
             Q = np.empty_like(f)
             rows = (-1, self.grid.N)
-            kernels.subtract_loss(
+            loops.subtract_loss(
                 self._single.rows, f.reshape(rows), self._lost.rows, Q.reshape(rows)
             )
         # The loss has the symmetry already; with it, round-off that has not stays as small as it is.
@@ -84,6 +84,20 @@ class NodalOperator:
         wide = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
         self._filter_loss(self._spectrum(wide))
         return (wide * self._lost.density).reshape(f.shape)
+
+    def transform(self) -> None:
+        """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
+        self._single.execute_forward()
+        self.gain.transform()
+        self._single.execute_backward()
+        if self.gain.grid.N > self.grid.N:
+            self._inner.execute_backward()
+            self._inner.execute_backward()
+            self._inner.execute_forward()
+            return
+        self._lost.execute_backward()
+        if self.gain.grid.N < self.grid.N:
+            self._inner.execute_backward()
 
     def _spectrum(self, f: np.ndarray) -> np.ndarray:
         """f̂ with Σ_k f̂_k e^{iπk·v/L} = f."""
@@ -111,20 +125,6 @@ class NodalOperator:
         lost = self._inner.forward(f_n * self._inner.backward(resize(self._loss * f_hat, n)))
         return resize(self.gain.total(f_n, f_hat_n) - lost / f_n.size, self.grid.N)
 
-    def transform(self) -> None:
-        """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
-        self._single.execute_forward()
-        self.gain.transform()
-        self._single.execute_backward()
-        if self.gain.grid.N > self.grid.N:
-            self._inner.execute_backward()
-            self._inner.execute_backward()
-            self._inner.execute_forward()
-            return
-        self._lost.execute_backward()
-        if self.gain.grid.N < self.grid.N:
-            self._inner.execute_backward()
-
 
 def gain_sum(scene: Scene, solver: Solver, grid: VelocityGrid, nodes: Nodes) -> GainSum:
     """The sum over some nodes, on the solver's threads."""
@@ -148,11 +148,11 @@ def fast_operator(scene: Scene, solver: Solver, make_gain: MakeGain = gain_sum) 
 
 def nodal_loss(grid: VelocityGrid, nodes: Nodes) -> np.ndarray:
     """G⁻(m) by the gain's nodes, which keeps the mass to round-off (variant ``full``)."""
-    loss = np.zeros((grid.N, grid.N ** (grid.dim - 2) * (grid.N // 2 + 1)))
-    kernels.nodal_loss(nodes.vectors, nodes.weights * nodes.measure[nodes.shells], loss)
+    loss = np.zeros(grid.half_spectrum_shape).reshape(grid.N, -1)
+    loops.nodal_loss(nodes.vectors, nodes.weights * nodes.measure[nodes.shells], loss)
     return loss
 
 
 def spectrum_axes(grid: VelocityGrid, multiplier: np.ndarray) -> np.ndarray:
     """A multiplier on the half spectrum with three axes, as the transforms have."""
-    return multiplier.reshape(grid.N, grid.N if grid.dim == 3 else 1, -1)
+    return multiplier.reshape(grid.half_spectrum_shape)

@@ -1,1 +1,1 @@
-"""Fourier."""
+"""Fourier transforms of spectra on grids, planned once and shared among threads."""

@@ -3,11 +3,28 @@
 import itertools
 
 import numpy as np
+import scipy.fft
 
 KEPT = 3 / 8
 """Modes in parts of N that a difference between two quadratures is measured on. The products' spectrum
 wraps around into the others, differently for every choice of nodes (measured: leaving those out takes the
 difference of two converged quadratures from 3e-6 to 1e-7 of max|Q| for a density with T = 1, N = 32)."""
+
+
+def half_spectrum(f: np.ndarray) -> np.ndarray:
+    """Half spectrum (N, N', N/2+1) of a density (N, N', N): Σ_k f̂_k e^{iπk·v/L} = f."""
+    return scipy.fft.rfftn(f, axes=long_axes(f), norm="forward")
+
+
+def density(f_hat: np.ndarray) -> np.ndarray:
+    """Density (N, N', N) with a half spectrum (N, N', N/2+1)."""
+    axes = long_axes(f_hat)
+    return scipy.fft.irfftn(f_hat, s=(len(f_hat),) * len(axes), axes=axes, norm="forward")
+
+
+def long_axes(array: np.ndarray) -> tuple[int, ...]:
+    """The axes to transform of a density or half spectrum with three axes: not the second in 2D."""
+    return (0, 1, 2) if array.shape[1] > 1 else (0, 2)
 
 
 def resize(f_hat: np.ndarray, n: int) -> np.ndarray:

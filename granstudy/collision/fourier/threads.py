@@ -9,6 +9,9 @@ Workspace = TypeVar("Workspace")
 Share = TypeVar("Share")
 Result = TypeVar("Result")
 
+Bounds = tuple[int, int]
+"""Where a share of a sum over nodes starts, and where it stops."""
+
 SHARES = 8
 """A sum over nodes is split in this many parts, added up in order whatever the thread count, so that
 results do not depend on it."""
@@ -44,3 +47,9 @@ class Workers(Generic[Workspace]):
         for other in others:
             other.result()
         return [results[index] for index in range(len(shares))]
+
+
+def split(count: int, parts: int) -> list[Bounds]:
+    """At most so many shares of ``count`` nodes: equal ones, but the last may be smaller."""
+    size = max(1, -(-count // parts))
+    return [(start, min(start + size, count)) for start in range(0, count, size)]

@@ -1,1 +1,1 @@
-"""Radial."""
+"""The collision operator of isotropic densities, method `radial` (docs/method.md §7)."""

@@ -60,7 +60,7 @@ def tensor_name(dim: int, N: int, exponent: float, restitution: float) -> str:
 @cache
 def _code() -> str:
     libraries = "-".join(f"{name}{version(name)}" for name in LIBRARIES)
-    return f"{fingerprint(['granstudy.collision.radial.tensor'])}-{libraries}"
+    return f"{fingerprint([unit_tensor.__module__])}-{libraries}"
 
 
 @numba.njit(nogil=True, cache=True)

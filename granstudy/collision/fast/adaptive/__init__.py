@@ -1,1 +1,1 @@
-"""Adaptive."""
+"""The fast operator with a quadrature chosen for a tolerance (`Solver.rtol`)."""

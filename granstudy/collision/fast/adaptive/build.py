@@ -78,6 +78,11 @@ def describe_plan(scene: Scene, solver: Solver, levels: list[int | None]) -> Qua
     )
 
 
+def with_products_on(plan: QuadraturePlan, n: int) -> QuadraturePlan:
+    """The plan with its products formed on n points a dimension."""
+    return replace(plan, n=n, transforms=2 * plan.nodes + serial_transforms(plan.N, n))
+
+
 def refine(scene: Scene, solver: Solver, plan: QuadraturePlan) -> QuadraturePlan:
     """A plan with more shells, each with a rule well above those of the shells beside it."""
     rules = ladder(scene.dim, scene.symmetry)
@@ -88,4 +93,4 @@ def refine(scene: Scene, solver: Solver, plan: QuadraturePlan) -> QuadraturePlan
         near = max(plan.sizes[max(i - 1, 0) : i + 1])
         level = rules.level(near) if near else -1
         levels.append(min(level + FINER_LEVELS, len(rules) - 1))
-    return replace(describe_plan(scene, solver, levels), n=plan.n)
+    return with_products_on(describe_plan(scene, solver, levels), plan.n)

@@ -1,37 +1,20 @@
-"""The error that a tolerance bounds: of a quadrature, and of aliasing."""
-
-from collections.abc import Iterator
-from dataclasses import replace
-from typing import NamedTuple
+"""The error of a quadrature, as a tolerance bounds it."""
 
 import numpy as np
 import scipy.fft
 
-from granstudy.collision.fast.adaptive.build import (
-    describe_plan,
-    planned_operator,
-)
-from granstudy.collision.fast.gain import GainSum
-from granstudy.collision.fast.operator import (
-    NodalOperator,
-)
-from granstudy.collision.fourier.spectra import resize, unaliased
-from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.collision.fast.operator import NodalOperator
+from granstudy.collision.fourier.spectra import long_axes, unaliased
 from granstudy.velocity.cartesian import VelocityGrid
-from granstudy.velocity.symmetry import Symmetry
 
 MOMENT_PART = 2.0
 """The error of a moment may be so many times that of Q (a uniform rule's is two to four times)."""
 
-
 MOMENT_WEIGHT = 0.1
 """Part of the moments in the sum of squares that is made small, over that of all points."""
 
-
 SAMPLES = 4096
 """Points of the grid, evenly spread, at which errors are added up while choosing."""
-
 
 EQUILIBRIUM = 0.01
 """Near an equilibrium Q vanishes, while the errors of gain and loss do not. A tolerance counts there from
@@ -88,77 +71,7 @@ def magnitude(operator: NodalOperator, f: np.ndarray, Q: np.ndarray) -> float:
 
 def difference(error: np.ndarray) -> float:
     """max|E| of the modes that aliasing does not reach."""
-    axes = (0, 1, 2) if error.ndim == 3 else (0, 2)
     wide = error.reshape(len(error), -1, len(error))
+    axes = long_axes(wide)
     low = unaliased(scipy.fft.rfftn(wide, axes=axes))
     return float(np.max(np.abs(scipy.fft.irfftn(low, s=error.shape, axes=axes))))
-
-
-PROBE = 3
-
-
-PROBE_SHELLS = 12
-"""Rule on the ladder, and number of shells, of the quadrature that aliasing is measured with."""
-
-
-SIZES = (8, 12, 16, 20, 32, 40, 48, 64, 96, 128)
-"""Grids on which products may be formed. FFTW's real transforms of 32³ points take less time than those
-of 22³ to 30³."""
-
-
-class Aliasing(NamedTuple):
-    """How much a fixed quadrature changes with the signs of its nodes, over max|Q|.
-
-    But for aliasing it does not matter which of ±g is evaluated.
-
-    Attributes
-    ----------
-    kept : float
-        On the modes that quadratures are compared on.
-    everywhere : float
-        On all modes.
-    Q : ndarray
-        Q(f,f) with that quadrature.
-    scale : float
-        Its `magnitude`.
-    """
-
-    kept: float
-    everywhere: float
-    Q: np.ndarray
-    scale: float
-
-
-def aliasing(scene: Scene, solver: Solver, f: np.ndarray) -> Aliasing:
-    """Measure the aliasing of Q(f,f) on the solver's grid."""
-    scene = replace(scene, symmetry=Symmetry.named(scene.dim, "none"))
-    operator = planned_operator(scene, solver, describe_plan(scene, solver, [PROBE] * PROBE_SHELLS))
-    Q = operator(f)
-    flipped = replace(operator.gain.nodes, vectors=-operator.gain.nodes.vectors)
-    operator.gain = GainSum(
-        scene, operator.gain.grid, flipped, solver.thread_count, precision=solver.precision
-    )
-    other = operator(f)
-    scale = magnitude(operator, f, Q)
-    changed = Q - other
-    return Aliasing(difference(changed) / scale, float(np.max(np.abs(changed))) / scale, Q, scale)
-
-
-def resolving_grids(
-    grid: VelocityGrid, f: np.ndarray, tolerance: float
-) -> Iterator[tuple[int, np.ndarray]]:
-    """Those of `SIZES` on which f is max|f|·tolerance near itself, each with f there; N comes last."""
-    axes = (0, 1, 2) if grid.dim == 3 else (0, 2)
-    f_hat = scipy.fft.rfftn(f.reshape(grid.N, -1, grid.N), axes=axes, norm="forward")
-
-    def values(spectrum: np.ndarray) -> np.ndarray:
-        shape = (len(spectrum),) * grid.dim
-        return scipy.fft.irfftn(spectrum, s=shape, axes=axes, norm="forward").reshape(shape)
-
-    for n in SIZES:
-        if n < grid.N:
-            small = resize(f_hat, n)
-            lost = values(f_hat - resize(small, grid.N))
-            if np.max(np.abs(lost)) <= tolerance * np.max(np.abs(f)):
-                yield n, values(small)
-    yield grid.N, f

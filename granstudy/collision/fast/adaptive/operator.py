@@ -27,13 +27,6 @@ class AdaptiveOperator:
         self._make_gain = make_gain
         self._use(make_plan(scene, solver, scene.density(self.grid)))
 
-    def _use(self, plan: QuadraturePlan) -> None:
-        self.plan = plan
-        self.operator = planned_operator(self.scene, self.solver, plan, self._make_gain)
-        self.transforms = self.operator.transforms
-        finer = refine(self.scene, self.solver, plan)
-        self._finer = planned_operator(self.scene, self.solver, finer, self._make_gain)
-
     def __call__(self, f: np.ndarray) -> np.ndarray:
         """Q(f,f) of a real density."""
         return self.operator(f)
@@ -56,3 +49,10 @@ class AdaptiveOperator:
         """
         self._use(make_plan(self.scene, self.solver, f))
         return self.plan
+
+    def _use(self, plan: QuadraturePlan) -> None:
+        self.plan = plan
+        self.operator = planned_operator(self.scene, self.solver, plan, self._make_gain)
+        self.transforms = self.operator.transforms
+        finer = refine(self.scene, self.solver, plan)
+        self._finer = planned_operator(self.scene, self.solver, finer, self._make_gain)

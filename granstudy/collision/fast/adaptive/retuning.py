@@ -32,10 +32,6 @@ class Tuning:
         self.plans: list[dict[str, Any]] = []
         self._record(0.0)
 
-    def _record(self, time: float) -> None:
-        if self._operator is not None:
-            self.plans.append({"time": time, **self._operator.plan.describe()})
-
     def review(self, step: int, time: float, f: np.ndarray) -> dict[str, str]:
         """At `FIRST_CHECK` and every `CHECK_EVERY` steps: tune again where needed. Warnings by name."""
         operator = self._operator
@@ -53,3 +49,7 @@ class Tuning:
             return {"rtol": f"the quadrature error of Q is {error:.1e}: {reason}"}
         self._record(time)
         return {}
+
+    def _record(self, time: float) -> None:
+        if self._operator is not None:
+            self.plans.append({"time": time, **self._operator.plan.describe()})

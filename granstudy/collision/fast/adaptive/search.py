@@ -10,24 +10,23 @@ from dataclasses import replace
 
 import numpy as np
 
+from granstudy.collision.fast.adaptive.aliasing import (
+    SIZES,
+    Aliasing,
+    aliasing,
+    resolving_grids,
+)
 from granstudy.collision.fast.adaptive.allocation import allocate
 from granstudy.collision.fast.adaptive.build import (
     describe_plan,
     planned_operator,
     refine,
     shell_radii,
+    with_products_on,
 )
-from granstudy.collision.fast.adaptive.error import (
-    SIZES,
-    ErrorScale,
-    aliasing,
-    magnitude,
-    quadrature_error,
-    resolving_grids,
-)
+from granstudy.collision.fast.adaptive.error import ErrorScale, magnitude, quadrature_error
 from granstudy.collision.fast.adaptive.plan import QuadraturePlan
 from granstudy.collision.fast.adaptive.shells import Shells
-from granstudy.collision.fourier.spectra import serial_transforms
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.quadrature.ladder import ladder
@@ -52,9 +51,10 @@ SETTLED = 0.03
 """A shell's part has settled where the next rule changes it by this part of the tolerance."""
 
 LARGEST_N_RHO = 80
-
+"""Shells beyond which the radii are given up."""
 
 ATTEMPTS = 5
+"""Plans that are made and verified, at most."""
 
 
 def make_plan(scene: Scene, solver: Solver, f: np.ndarray) -> QuadraturePlan:
@@ -66,14 +66,8 @@ def make_plan(scene: Scene, solver: Solver, f: np.ndarray) -> QuadraturePlan:
         If the sums do not settle so far, as aliasing on the solver's grid keeps them from it.
     """
     assert solver.rtol is not None
-    for n, f_n in resolving_grids(solver.grid(scene.dim), f, RESOLVED * solver.rtol):
-        small = replace(solver, N=n)
-        probe = aliasing(scene, small, f_n)
-        noise = probe.kept
-        if noise <= QUIET * solver.rtol:
-            break
-    if noise > solver.rtol:
-        raise _unreachable(solver, noise)
+    small, f_n, probe = _quiet_grid(scene, solver, f)
+    noise = probe.kept
     N_rho = _radial_size(scene, small, f_n, RADIAL_PART * solver.rtol + noise / 2)
     settled = (SETTLED * solver.rtol + noise / 10) * probe.scale
     bound = (TARGET - RADIAL_PART / 2) * solver.rtol
@@ -100,6 +94,19 @@ def make_plan(scene: Scene, solver: Solver, f: np.ndarray) -> QuadraturePlan:
     if best.error <= solver.rtol:
         return _choose_grid(scene, solver, best, f)
     raise _unreachable(solver, best.error)
+
+
+def _quiet_grid(scene: Scene, solver: Solver, f: np.ndarray) -> tuple[Solver, np.ndarray, Aliasing]:
+    """The solver on the smallest grid that resolves f and is `QUIET`, with f and the aliasing there."""
+    assert solver.rtol is not None
+    for n, f_n in resolving_grids(solver.grid(scene.dim), f, RESOLVED * solver.rtol):
+        small = replace(solver, N=n)
+        probe = aliasing(scene, small, f_n)
+        if probe.kept <= QUIET * solver.rtol:
+            break
+    if probe.kept > solver.rtol:
+        raise _unreachable(solver, probe.kept)
+    return small, f_n, probe
 
 
 def _unreachable(solver: Solver, error: float) -> ToleranceError:
@@ -165,8 +172,7 @@ def _choose_grid(
     """The plan on the smallest grid for its products that changes Q by little enough."""
     assert solver.rtol is not None
     if solver.dealias:  # on no other grid does nothing wrap around
-        n = solver.product_points
-        return replace(plan, n=n, transforms=2 * plan.nodes + serial_transforms(solver.N, n))
+        return with_products_on(plan, solver.product_points)
     sizes = [n for n in SIZES if plan.n <= n < solver.N]
     if sizes:
         operator = planned_operator(scene, solver, replace(plan, n=solver.N))
@@ -176,5 +182,5 @@ def _choose_grid(
             smaller = planned_operator(scene, solver, replace(plan, n=n))
             change = float(np.max(np.abs(smaller(f) - Q))) / scale
             if change <= GRID_PART * solver.rtol:
-                return replace(plan, n=n, transforms=smaller.transforms, error=plan.error + change)
-    return replace(plan, n=solver.N, transforms=2 * plan.nodes + 3)
+                return replace(with_products_on(plan, n), error=plan.error + change)
+    return with_products_on(plan, solver.N)

@@ -3,12 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
-import scipy.fft
 
 from granstudy.collision.fast.gain import GainSum
 from granstudy.collision.fast.nodes import place_nodes
 from granstudy.collision.fast.operator import nodal_loss, spectrum_axes
-from granstudy.collision.fourier.spectra import resize, unaliased
+from granstudy.collision.fourier.spectra import density, half_spectrum, resize, unaliased
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.quadrature import Rule
@@ -24,13 +23,11 @@ class Shells:
         self.solver = solver
         self.ladder = ladder
         self.grid = solver.grid(scene.dim)
-        self._axes = (0, 1, 2) if scene.dim == 3 else (0, 2)
-        wide = np.ascontiguousarray(f).reshape(len(f), -1, len(f))
-        f_hat = scipy.fft.rfftn(wide, axes=self._axes, norm="forward")
+        wide = np.ascontiguousarray(f).reshape(self.grid.three_axis_shape)
         # What the products are formed of, on their own grid.
         self._products = VelocityGrid(scene.dim, solver.product_points, solver.R)
-        self._f_hat = resize(f_hat, self._products.N)
-        self._f = wide if solver.product_points == solver.N else self._values(self._f_hat)
+        self._f_hat = resize(half_spectrum(wide), self._products.N)
+        self._f = wide if solver.product_points == solver.N else density(self._f_hat)
 
     def contributions(self, radial: Rule, levels: Sequence[int | None]) -> np.ndarray:
         """Each shell's part of Q with the ladder's rule of its level (None: left out, zero).
@@ -61,18 +58,11 @@ class Shells:
                 loss = nodal_loss(
                     self._products, place_nodes(self.scene, self._products, radial, pairs)
                 )
-                lost = self._values(spectrum_axes(self._products, loss) * self._f_hat)
-                Q -= self._low_pass(
-                    scipy.fft.rfftn(self._f * lost, axes=self._axes, norm="forward")
-                )
+                lost = density(spectrum_axes(self._products, loss) * self._f_hat)
+                Q -= self._low_pass(half_spectrum(self._f * lost))
             result[shell] = self.ladder.group.symmetrise(Q.reshape(self.grid.shape)).ravel()
         return result
 
     def _low_pass(self, spectrum: np.ndarray) -> np.ndarray:
         """Values on the solver's grid of what aliasing does not reach."""
-        return self._values(unaliased(resize(spectrum, self.grid.N)))
-
-    def _values(self, spectrum: np.ndarray) -> np.ndarray:
-        """The function with a half spectrum, on the grid of its size."""
-        shape = (len(spectrum),) * len(self._axes)
-        return scipy.fft.irfftn(spectrum, s=shape, axes=self._axes, norm="forward")
+        return density(unaliased(resize(spectrum, self.grid.N)))

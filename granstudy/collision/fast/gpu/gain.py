@@ -62,12 +62,12 @@ class DeviceGainSum:
         assert not callable(scene.restitution)
         self.grid = grid
         self.nodes = nodes
-        self.shape = (grid.N, grid.N if grid.dim == 3 else 1, grid.N)
+        self.shape = grid.three_axis_shape
         self.transforms = 2 * len(nodes)
         self._device = device
         self._real = REAL[precision]
         self._complex = np.result_type(self._real, np.complex64)
-        self._half = (*self.shape[:2], grid.N // 2 + 1)
+        self._half = grid.half_spectrum_shape
         self._axes = (1, 2, 3) if grid.dim == 3 else (1, 3)
         if memory is None:
             memory = min(BATCH_BYTES, device.memory // 2)

@@ -9,8 +9,9 @@ import pytest
 from comparison import BOXES, asymmetric_scene, evaluate, relative_error
 
 import granstudy as gs
+from granstudy.collision.fast.adaptive.aliasing import resolving_grids
 from granstudy.collision.fast.adaptive.allocation import allocate
-from granstudy.collision.fast.adaptive.error import MOMENT_PART, difference, resolving_grids
+from granstudy.collision.fast.adaptive.error import MOMENT_PART, difference
 from granstudy.collision.fast.adaptive.plan import TunedOperator
 from granstudy.quadrature.ladder import ladder
 from granstudy.support.errors import ToleranceError

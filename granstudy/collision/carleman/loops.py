@@ -1,0 +1,47 @@
+"""Compiled loops of the Carleman form: a share of its sum of products."""
+
+import numba
+
+from granstudy.collision.fourier.fftw import BACKWARD, execute
+
+
+@numba.njit(nogil=True, cache=True)
+def filter_modes(f_hat, weights, odd, turn, counts, starts, out):
+    """Out = weights f̂ on the ball of modes, times i·turn where ``odd``, and 0 elsewhere."""
+    nx, ny, nz = f_hat.shape
+    factor = turn * 1j if odd else 1.0 + 0.0j
+    for i in range(nx):
+        for j in range(ny):
+            count = counts[i, j]
+            start = starts[i, j]
+            if odd:
+                for k in range(count):
+                    out[i, j, k] = factor * (weights[start + k] * f_hat[i, j, k])
+            else:
+                for k in range(count):
+                    out[i, j, k] = weights[start + k] * f_hat[i, j, k]
+            for k in range(count, nz):
+                out[i, j, k] = 0.0
+
+
+@numba.njit(nogil=True, cache=True, fastmath={"contract"})
+def add_product(first, second, total):
+    """Add first·second to total (n n', n); rows of both are padded by in-place transforms."""
+    rows, n = total.shape
+    for j in range(rows):
+        for k in range(n):
+            total[j, k] += first[j, k] * second[j, k]
+
+
+@numba.njit(nogil=True, cache=True)
+def sum_products(
+    f_hat, of_l, of_m, odd, counts, starts, a_spectrum, b_spectrum, a, b, a_plans, b_plans, gain
+):
+    """Gain (n n', n) = Σ ab, where a and b are transformed from f̂ times the filters of l and of m."""
+    gain[:] = 0.0
+    for i in range(len(odd)):
+        filter_modes(f_hat, of_l[i], odd[i], -1, counts, starts, a_spectrum)
+        execute(a_plans, BACKWARD)
+        filter_modes(f_hat, of_m[i], odd[i], 1, counts, starts, b_spectrum)
+        execute(b_plans, BACKWARD)
+        add_product(a, b, gain)

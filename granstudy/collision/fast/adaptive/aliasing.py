@@ -1,0 +1,78 @@
+"""How much aliasing disturbs Q on a grid, and on which grids products may be formed."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from granstudy.collision.fast.adaptive.build import describe_plan, planned_operator
+from granstudy.collision.fast.adaptive.error import difference, magnitude
+from granstudy.collision.fast.gain import GainSum
+from granstudy.collision.fourier.spectra import density, half_spectrum, resize
+from granstudy.model.scene import Scene
+from granstudy.model.solver import Solver
+from granstudy.velocity.cartesian import VelocityGrid
+from granstudy.velocity.symmetry import Symmetry
+
+PROBE = 3
+"""Step of the ladder whose rule aliasing is measured with."""
+
+PROBE_SHELLS = 12
+"""Number of shells that aliasing is measured with."""
+
+SIZES = (8, 12, 16, 20, 32, 40, 48, 64, 96, 128)
+"""Points a dimension of the grids on which products may be formed. FFTW's real transforms of 32³ points take
+less time than those of 22³ to 30³."""
+
+
+class Aliasing(NamedTuple):
+    """How much a fixed quadrature changes with the signs of its nodes, over max|Q|.
+
+    But for aliasing it does not matter which of ±g is evaluated.
+
+    Attributes
+    ----------
+    kept : float
+        On the modes that quadratures are compared on.
+    everywhere : float
+        On all modes.
+    Q : ndarray
+        Q(f,f) with that quadrature.
+    scale : float
+        Its `magnitude`.
+    """
+
+    kept: float
+    everywhere: float
+    Q: np.ndarray
+    scale: float
+
+
+def aliasing(scene: Scene, solver: Solver, f: np.ndarray) -> Aliasing:
+    """Measure the aliasing of Q(f,f) on the solver's grid."""
+    scene = replace(scene, symmetry=Symmetry.named(scene.dim, "none"))
+    operator = planned_operator(scene, solver, describe_plan(scene, solver, [PROBE] * PROBE_SHELLS))
+    Q = operator(f)
+    flipped = replace(operator.gain.nodes, vectors=-operator.gain.nodes.vectors)
+    operator.gain = GainSum(
+        scene, operator.gain.grid, flipped, solver.thread_count, precision=solver.precision
+    )
+    other = operator(f)
+    scale = magnitude(operator, f, Q)
+    changed = Q - other
+    return Aliasing(difference(changed) / scale, float(np.max(np.abs(changed))) / scale, Q, scale)
+
+
+def resolving_grids(
+    grid: VelocityGrid, f: np.ndarray, tolerance: float
+) -> Iterator[tuple[int, np.ndarray]]:
+    """Those of `SIZES` on which f is max|f|·tolerance near itself, each with f there; N comes last."""
+    f_hat = half_spectrum(f.reshape(grid.three_axis_shape))
+    for n in SIZES:
+        if n < grid.N:
+            small = resize(f_hat, n)
+            lost = density(f_hat - resize(small, grid.N))
+            if np.max(np.abs(lost)) <= tolerance * np.max(np.abs(f)):
+                yield n, density(small).reshape((n,) * grid.dim)
+    yield grid.N, f

@@ -1,0 +1,72 @@
+"""What README and docs/ name is there: linked pages and pictures, files, names of granstudy."""
+
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+FOLDERS = "granstudy|tests|workflow|docs"
+
+GONE = {"granstudy.compare"}
+"""Names that the changelog says are no more."""
+
+
+def parts(pattern, page):
+    return sorted(set(re.findall(pattern, page.read_text(encoding="utf-8"))))
+
+
+@pytest.fixture(params=PAGES, ids=lambda page: page.name)
+def page(request):
+    return request.param
+
+
+def test_links_lead_somewhere(page):
+    links = [link for link in parts(r"\]\(([^)#\s]*[./][^)#\s]*)", page) if "://" not in link]
+    assert [link for link in links if not (page.parent / link).exists()] == []
+
+
+def test_links_to_headings_lead_somewhere(page):
+    def anchors(path):
+        headings = re.findall(r"^#+ (.*)$", path.read_text(encoding="utf-8"), re.M)
+        return {re.sub(r"[^\w -]", "", heading).lower().replace(" ", "-") for heading in headings}
+
+    links = re.findall(r"\]\(([^)#\s]*)#([^)]+)\)", page.read_text(encoding="utf-8"))
+    assert [
+        (to, at) for to, at in links if at not in anchors(page.parent / (to or page.name))
+    ] == []
+
+
+def test_files_that_it_names_are_there(page):
+    files = parts(rf"(?<![\w/.])(?:\.\./)?((?:{FOLDERS})/[\w./-]*\w)", page)
+    assert [file for file in files if not (ROOT / file).exists()] == []
+
+
+def test_names_of_granstudy_that_it_mentions_exist(page):
+    text = page.read_text(encoding="utf-8").replace("gs.", "granstudy.")
+    names = set(re.findall(r"(?<![\w/.-])granstudy(?:\.[a-zA-Z_]\w*)+", text)) - GONE
+    assert [name for name in sorted(names) if not exists(name)] == []
+
+
+def exists(name):
+    """Whether a dotted name is a module, or a name in one."""
+    module, rest = name, []
+    while True:
+        try:
+            found = importlib.import_module(module)
+        except ModuleNotFoundError:
+            module, _, last = module.rpartition(".")
+            rest.insert(0, last)
+            continue
+        for part in rest:
+            if not hasattr(found, part):
+                return False
+            found = getattr(found, part)
+        return True
+
+
+def test_readme_is_short():
+    assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= 120
