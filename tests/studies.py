@@ -62,5 +62,5 @@ class Package:
     @staticmethod
     def forget():
         """Read every file anew."""
-        fingerprint.imported_modules.cache_clear()
-        fingerprint._tree.cache_clear()
+        for reads in (fingerprint.imported_modules, fingerprint.is_fork, fingerprint._tree):
+            reads.cache_clear()
