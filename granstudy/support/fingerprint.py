@@ -55,7 +55,8 @@ def imported_modules(module: str) -> tuple[str, ...]:
 def is_fork(module: str) -> bool:
     """Whether a module says that it only chooses between others."""
     return any(
-        isinstance(node, ast.Assign) and FORK_NAME in [getattr(name, "id", "") for name in node.targets]
+        isinstance(node, ast.Assign)
+        and FORK_NAME in [getattr(name, "id", "") for name in node.targets]
         for node in ast.parse(_source(module).read_text()).body
     )
 
