@@ -3,7 +3,6 @@
 import hashlib
 import io
 import os
-import sys
 import time
 import warnings
 from collections.abc import Callable
@@ -11,6 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
+from platformdirs import user_cache_path
 
 from granstudy.support.files import TEMPORARY_PREFIX, write_whole
 
@@ -24,16 +24,9 @@ ABANDONED = 86400.0
 
 
 def cache_folder() -> Path:
-    """``$GRANSTUDY_CACHE``, or granstudy's folder in the platform's user cache."""
-    if named := os.environ.get(VARIABLE):
-        return Path(named)
-    if sys.platform == "darwin":
-        base = Path.home() / "Library" / "Caches"
-    elif sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
-    else:
-        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return base / "granstudy"
+    """``$GRANSTUDY_CACHE``, or granstudy's folder in the platform's user cache (platformdirs)."""
+    named = os.environ.get(VARIABLE)
+    return Path(named) if named else user_cache_path("granstudy", appauthor=False)
 
 
 def cached_array(name: str, compute: Callable[[], np.ndarray]) -> np.ndarray:
