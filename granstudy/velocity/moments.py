@@ -6,6 +6,7 @@ import xarray as xr
 from granstudy.velocity.space import VelocitySpace, check_shape
 
 COMPONENTS = ("x", "y", "z")
+"""Labels of the components of a velocity."""
 
 LONG_NAMES = {
     "density": "density ρ = ∫f dv",
@@ -17,13 +18,14 @@ LONG_NAMES = {
     "a2": "kurtosis excess a2 = d/(d+2) ⟨|v−u|⁴⟩/⟨|v−u|²⟩² − 1",
     "minimum": "smallest value of the density on the grid",
 }
+"""The moments of a density, with the long name of each in a dataset."""
 
 FRAME_LONG_NAMES = {
     "velocity_scale": "velocity scale θ of the rescaled frame, v = u + θc",
     "frame_velocity": "velocity u of the rescaled frame",
     "collision_time": "collision time τ = ∫θ^λ dt",
 }
-"""Where a rescaled frame is (docs/method.md §5)."""
+"""Position of a rescaled frame, with long names in a dataset (docs/method.md §5)."""
 
 DIMENSIONS: dict[str, tuple[str, ...]] = {
     "velocity": ("component",),
@@ -39,14 +41,14 @@ def moments(f: np.ndarray, grid: VelocitySpace) -> xr.Dataset:
     Parameters
     ----------
     f : ndarray, shape grid.shape
-        Density; of a complex array (the `literal` method's state) the real part counts.
+        Density. A complex array, as method `literal` advances it, counts by its real part.
     grid : VelocityGrid or RadialGrid
 
     Returns
     -------
     xarray.Dataset
-        The variables of `LONG_NAMES`; `velocity` over ``component``, `pressure` over
-        ``component`` × ``component_``. All dimensionless.
+        The variables of `LONG_NAMES`, all dimensionless: `velocity` over ``component``, `pressure` over
+        ``component`` × ``component_``.
 
     Raises
     ------
@@ -66,7 +68,7 @@ def moments(f: np.ndarray, grid: VelocitySpace) -> xr.Dataset:
 
 
 def moment_values(f: np.ndarray, grid: VelocitySpace) -> dict[str, np.ndarray]:
-    """The moments as plain arrays, for use at every step (paper eqs. 19 to 21)."""
+    """The moments of `LONG_NAMES` as plain arrays, for use at every step (paper eqs. 19 to 21)."""
     d = grid.dim
     m = grid.velocity_moments(f)
     temperature = np.trace(m.pressure) / (d * m.density)

@@ -1,4 +1,4 @@
-"""The fast operator tuned to a tolerance, and tuned again when a density has outgrown its quadrature."""
+"""The fast operator tuned to a tolerance, and tuned anew where a density has outgrown its quadrature."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from granstudy.model.solver import Solver
 
 
 class AdaptiveOperator:
-    """Q(f,f) with a quadrature error under rtol at the density it is tuned for.
+    """Q(f,f) with a quadrature error under rtol at the density that the operator is tuned for.
 
     Attributes
     ----------
@@ -36,16 +36,16 @@ class AdaptiveOperator:
         self.operator.transform()
 
     def check(self, f: np.ndarray) -> float:
-        """The error at a density that rtol bounds, by a finer quadrature: a few evaluations' time."""
+        """The error of Q(f,f) that rtol bounds, by a finer quadrature. It takes a few evaluations' time."""
         return quadrature_error(self.operator, self._finer, f)
 
     def tune(self, f: np.ndarray) -> QuadraturePlan:
-        """Choose the quadrature anew, for this density.
+        """Choose the quadrature anew for the density ``f``.
 
         Raises
         ------
         ToleranceError
-            If the tolerance cannot be reached; the quadrature then stays as it was.
+            If the tolerance cannot be reached. The quadrature then stays as it was.
         """
         self._use(make_plan(self.scene, self.solver, f))
         return self.plan
