@@ -9,10 +9,10 @@ from granstudy.datasets.run_dataset import (
     Header,
     Record,
     kept_densities,
-    labelled,
     stamped,
     time_axes,
 )
+from granstudy.support.variables import labelled
 from granstudy.trust.exact_law import add_exact_law
 from granstudy.trust.health import health_variables
 from granstudy.velocity.moments import DIMENSIONS, FRAME_LONG_NAMES, LONG_NAMES

@@ -82,10 +82,10 @@ class Solver:
         ``legendre`` (the paper's) or ``jacobi`` (spectral at every λ).
     rtol : float or None
         For `fast` and `auto`: tolerance in (0, 1) of the quadrature error of Q, over max|Q|; near an
-        equilibrium, where Q vanishes, over a hundredth of the loss. Errors of Q's mass, momentum and energy are held to half of rtol, over
-        the mass, momentum and energy of |Q|. The shells, and the rule of each, are then chosen for the
-        scene; N_rho, M_sph, M_cir, sphere_rule and radial_rule keep their defaults. For `radial`, which has
-        no such error: what N and R are chosen for.
+        equilibrium, where Q vanishes, over a hundredth of the loss. Errors of the mass, momentum and energy
+        of Q are held to half of rtol, over those of |Q|. The shells, and the rule of each, are then chosen
+        for the scene; N_rho, M_sph, M_cir, sphere_rule and radial_rule keep their defaults. For `radial`,
+        which has no such error, rtol chooses N and R alone.
     circular : bool
         For `direct`: the paper's direct method to its digits. l + m wraps around the spectrum, as products
         on a grid do, and sinc is evaluated as in the paper's code.

@@ -10,11 +10,11 @@ from granstudy.datasets.run_dataset import (
     Ending,
     Header,
     kept_densities,
-    labelled,
     stamped,
     time_axes,
 )
 from granstudy.support.errors import unknown_name
+from granstudy.support.variables import labelled
 from granstudy.trust.exact_law import add_exact_law
 from granstudy.trust.health import health_variables
 from granstudy.velocity.moments import DIMENSIONS, LONG_NAMES

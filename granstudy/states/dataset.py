@@ -9,7 +9,6 @@ from granstudy import theory
 from granstudy.datasets.run_dataset import (
     Ending,
     Header,
-    labelled,
     on_scaled_velocities,
     stamped,
 )
@@ -17,8 +16,9 @@ from granstudy.model.scene import Scene
 from granstudy.states.equation import Gas, SteadyEquation
 from granstudy.states.newton import Solution
 from granstudy.states.tail import tail_slope
+from granstudy.support.variables import labelled
 from granstudy.trust.flags import Status
-from granstudy.trust.health import HEALTH_NAMES, trust_variable, verdict
+from granstudy.trust.health import sign_variables, trust_variable, verdict
 from granstudy.velocity.moments import COMPONENTS, DIMENSIONS
 from granstudy.velocity.space import VelocitySpace
 
@@ -79,12 +79,7 @@ def state_dataset(
         "iteration",
     )
     ds = ds.assign_coords(iteration=np.arange(len(found.sizes)))
-    measured = {
-        variable: labelled(health[name], long_name)
-        for name, (variable, long_name) in HEALTH_NAMES.items()
-        if name in health
-    }
-    ds = ds.assign(measured | trust_variable([health], reason))
+    ds = ds.assign(sign_variables(health) | trust_variable([health], reason))
     _, warnings = verdict([health], "")
     status = Status.FAILED if reason else Status.OK
     return stamped(ds, header, Ending(status, reason, warnings))

@@ -17,8 +17,9 @@ PACKAGE = Path(__file__).parents[1]
 FORK_NAME = "FORK"
 """Name of the constant that marks a module as a fork.
 
-A fork only chooses between other modules, or lists what can be chosen. No fingerprint follows or hashes a fork:
-whoever asks for a fingerprint names the branch that is taken. A new method, a row in a fork, so changes no run."""
+A fork only chooses between other modules, or lists what can be chosen. No fingerprint follows or hashes a
+fork: whoever asks for a fingerprint names the branch that is taken. So a new method, a row in a fork, changes
+no run."""
 
 
 def fingerprint(modules: Iterable[str]) -> str:
