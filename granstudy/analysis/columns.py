@@ -70,194 +70,131 @@ def _ratio_digits(ratio: float) -> str:
 
 
 ERROR, ROUGH, SIX = ".3e", ".1e", ".6f"
+"""Formats of errors, of errors of which the size alone matters, and of a state's numbers."""
 
-# Tolerances that several columns have.
+# Tolerances, named after their columns.
 RECIPE = Tolerance(
     1e-6, 1e-12, "the recipe is deterministic; FFT and BLAS round-off differ by machine"
 )
+LIKE_RECIPE = replace(RECIPE, reason="as paper_temperature_error")
+T = Tolerance(1e-9, 1e-12, "a moment of order one after some hundred steps")
+A2 = Tolerance(1e-6, 1e-8, "a quotient of moments after some hundred adaptive steps")
 T_ERROR = Tolerance(
     1e-4, 1e-9, "a difference of moments known to 1e-9; steps that adapt follow round-off"
 )
+T_ESTIMATE = replace(T_ERROR, reason="as largest_temperature_error")
 A2_ERROR = Tolerance(1e-4, 1e-8, "as largest_temperature_error")
-T_ESTIMATE = replace(T_ERROR, reason=A2_ERROR.reason)
-OF_MACHINE = Tolerance(None, 0.0, "depends on the machine and its load")
-OF_SECONDS = replace(OF_MACHINE, reason="as seconds")
+Q_ERROR = Tolerance(1e-6, 1e-12, "max|Q| is about 0.1, known to round-off")
+Q_RELATIVE = Tolerance(1e-6, 1e-11, "collision_error over max|Q|")
+Q_PLANNED = Tolerance(
+    1e-6, 1e-11, "collision_error over max|Q|; a tolerance's plan is deterministic"
+)
+DRIFT = Tolerance(1e-6, 1e-11, "round-off of a sum over the grid")
+ORDER = Tolerance(1e-3, 1e-3, "a slope through errors near the round-off of T")
+HAFF = Tolerance(1e-7, 0.0, "a fit to smooth data")
+HAFF_ERROR = Tolerance(1e-4, 0.0, "a variance of small residuals")
+RATIO = Tolerance(1e-6, 1e-5, "a quotient of the above and a printed number")
+SECONDS = Tolerance(None, 0.0, "depends on the machine and its load")
+FFT = replace(SECONDS, reason="as seconds")
+SPEEDUP = replace(SECONDS, reason="a quotient of seconds on a shared machine")
+OVERHEAD = replace(SECONDS, reason="as speedup")
+MEMORY = replace(SECONDS, reason="depends on the allocator")
+FRONT = replace(SECONDS, reason="follows from seconds")
+GROWTH = replace(SECONDS, reason="a slope through seconds")
+MEMORY_GROWTH = replace(SECONDS, reason="a slope through peak memories")
 
+# fmt: off
 OF_QUANTITY: dict[str, Column] = {
-    "slope": Column(
-        "d ln T/d ln t", SIX, long_name="d ln T/d ln t, mean over the last decade of t"
-    ),
+    "slope": Column("d ln T/d ln t", SIX, CONSTANT, "d ln T/d ln t, mean over the last decade of t"),
     "slope_error": Column(
-        "from −2/λ",
-        ROUGH,
-        long_name="largest |d ln T/d ln t + 2/λ| in the last decade of t",
-    ),
-    "C0": Column(
-        "C₀",
-        ".5g",
-        Tolerance(1e-7, 0.0, "a fit to smooth data"),
-        "Haff constant, least squares of T0 (1 + C0 t)^-2",
-    ),
-    "C0_error": Column(
-        "± (fit)",
-        ERROR,
-        Tolerance(1e-4, 0.0, "a variance of small residuals"),
-        "standard error of the fitted C0",
-    ),
+        "from −2/λ", ROUGH, CONSTANT, "largest |d ln T/d ln t + 2/λ| in the last decade of t"),
+    "C0": Column("C₀", ".5g", HAFF, "Haff constant, least squares of T0 (1 + C0 t)^-2"),
+    "C0_error": Column("± (fit)", ERROR, HAFF_ERROR, "standard error of the fitted C0"),
     "C0_theory": Column(
-        "C₀ (Gaussian)",
-        ".5g",
-        long_name="Haff constant of a Gaussian shape at the initial temperature",
-    ),
-    "paper": Column(long_name="{of} printed in the paper; NaN where has_paper is false"),
+        "C₀ (Gaussian)", ".5g", CONSTANT,
+        "Haff constant of a Gaussian shape at the initial temperature"),
+    "paper": Column("", "", CONSTANT, "{of} printed in the paper; NaN where has_paper is false"),
     "ratio": Column(
-        "ours / paper",
-        _ratio_digits,
-        Tolerance(1e-6, 1e-5, "a quotient of the above and a printed number"),
-        "ours / paper; NaN where has_paper is false",
-    ),
+        "ours / paper", _ratio_digits, RATIO, "ours / paper; NaN where has_paper is false"),
     "has_paper": Column(long_name="the paper prints a number for the run", units=""),
     "order": Column(
-        "fitted order",
-        tolerance=Tolerance(1e-3, 1e-3, "a slope through errors near the round-off of T"),
-        long_name="p of {of} ~ {x}^p, fitted to the runs that differ in {x} alone",
-    ),
+        "fitted order", ".3g", ORDER,
+        "p of {of} ~ {x}^p, fitted to the runs that differ in {x} alone"),
 }
 """Columns that stand directly after the table's quantity: fits, and numbers printed in the paper."""
 
 COLUMNS: dict[str, Column] = OF_QUANTITY | {
     # Beside a truth.
     "largest_temperature_error": Column(
-        "error of T",
-        ERROR,
-        T_ERROR,
-        "largest |T/T_truth − 1| over the output times reached",
-        symbol=r"largest $|T/T_\mathrm{true} - 1|$",
-    ),
+        "error of T", ERROR, T_ERROR, "largest |T/T_truth − 1| over the output times reached",
+        symbol=r"largest $|T/T_\mathrm{true} - 1|$"),
     "temperature_error_estimate": Column(
-        "its estimate",
-        ERROR,
-        T_ESTIMATE,
-        "largest relative error of T that the run itself estimated",
-    ),
+        "its estimate", ERROR, T_ESTIMATE,
+        "largest relative error of T that the run itself estimated"),
     "largest_a2_error": Column(
-        "error of a2",
-        ERROR,
-        A2_ERROR,
-        "largest |a2 − a2_truth| over the output times reached",
-        symbol=r"largest $|a_2 - a_{2,\mathrm{true}}|$",
-    ),
+        "error of a2", ERROR, A2_ERROR, "largest |a2 − a2_truth| over the output times reached",
+        symbol=r"largest $|a_2 - a_{2,\mathrm{true}}|$"),
     "a2_error_estimate": Column(
-        "its estimate", ERROR, A2_ERROR, "largest error of a2 that the run itself estimated"
-    ),
+        "its estimate", ERROR, A2_ERROR, "largest error of a2 that the run itself estimated"),
     "trust": Column(),
     # Of collisions.
     "collision_error": Column(
-        "",
-        ERROR,
-        Tolerance(1e-6, 1e-12, "max|Q| is about 0.1, known to round-off"),
-        "max|Q − Q_reference| on the grid",
-        symbol=r"$\|Q - Q_\mathrm{direct}\|_\infty$",
-    ),
+        "", ERROR, Q_ERROR, "max|Q − Q_reference| on the grid",
+        symbol=r"$\|Q - Q_\mathrm{direct}\|_\infty$"),
     "relative_error": Column(
-        "",
-        ERROR,
-        Tolerance(1e-6, 1e-11, "collision_error over max|Q|"),
-        "max|Q − Q_reference| / max|Q_reference|",
-        symbol=r"$\|Q - Q_\mathrm{direct}\|_\infty / \|Q_\mathrm{direct}\|_\infty$",
-    ),
-    # Of evolutions, at the last time.
+        "", ERROR, Q_RELATIVE, "max|Q − Q_reference| / max|Q_reference|",
+        symbol=r"$\|Q - Q_\mathrm{direct}\|_\infty / \|Q_\mathrm{direct}\|_\infty$"),
+    # Of evolutions, at the last time; the runs have the long names.
     "paper_temperature_error": Column(
-        "",
-        ERROR,
-        RECIPE,
-        symbol=r"$|T - T_\mathrm{ref}|$",
+        "", ERROR, RECIPE, symbol=r"$|T - T_\mathrm{ref}|$",
         legend="|T − T_ref| at the final time, measured as the paper does: "
-        "T = 2E/d, not divided by density; T_ref by the exact law from the discrete initial T",
-    ),
+        "T = 2E/d, not divided by density; T_ref by the exact law from the discrete initial T"),
     "temperature_error": Column(
-        "",
-        ERROR,
-        replace(RECIPE, reason="as paper_temperature_error"),
-        symbol=r"$|T - T_\mathrm{exact}|$",
-        legend="|T − T_exact| at the final time, T divided by density",
-    ),
-    "temperature": Column(
-        "",
-        ".5g",
-        Tolerance(1e-9, 1e-12, "a moment of order one after some hundred steps"),
-        symbol="$T$",
-        solved=".7f",
-    ),
-    "a2": Column(
-        "",
-        tolerance=Tolerance(1e-6, 1e-8, "a quotient of moments after some hundred adaptive steps"),
-        symbol="$a_2$",
-        solved=SIX,
-    ),
-    # Of states, and theories of them.
-    "a2_linear": Column("a2 (linear theory)", SIX, long_name="a2 by the theory linear in it"),
+        "", ERROR, LIKE_RECIPE, symbol=r"$|T - T_\mathrm{exact}|$",
+        legend="|T − T_exact| at the final time, T divided by density"),
+    "temperature": Column("", ".5g", T, symbol="$T$", solved=".7f"),
+    "a2": Column("", ".3g", A2, symbol="$a_2$", solved=SIX),
+    # Of states, beside theories of them.
+    "a2_linear": Column("a2 (linear theory)", SIX, CONSTANT, "a2 by the theory linear in it"),
     "a2_divided": Column(
-        "a2 (linear, divided by 1 + a2)",
-        SIX,
-        long_name="a2 by the theory linear in it after division by 1 + a2",
-    ),
-    "a2_exact": Column("a2 (exact)", SIX, long_name="a2 by the exact moments of Maxwell molecules"),
+        "a2 (linear, divided by 1 + a2)", SIX, CONSTANT,
+        "a2 by the theory linear in it after division by 1 + a2"),
+    "a2_exact": Column(
+        "a2 (exact)", SIX, CONSTANT, "a2 by the exact moments of Maxwell molecules"),
     "a2_error": Column(
-        "error of a2", ROUGH, long_name="|a2 − a2_exact|", symbol="$|a_2 - a_2^{exact}|$"
-    ),
+        "error of a2", ROUGH, CONSTANT, "|a2 − a2_exact|", symbol="$|a_2 - a_2^{exact}|$"),
     "tail_exponent": Column(
-        "p of the tail",
-        long_name="p of the exact tail |v|^(−d−p), of which ⟨|v|⁴⟩ beyond V is V^(4−p)",
-    ),
+        "p of the tail", ".3g", CONSTANT,
+        "p of the exact tail |v|^(−d−p), of which ⟨|v|⁴⟩ beyond V is V^(4−p)"),
     "a3": Column("", SIX),
     "cooling_rate": Column(),
     "cooling_coefficient": Column("K", ".7g"),
     "mass_loss": Column(),
     "estimated_a2_error": Column("", ROUGH),
-    # Of benchmarks, whose dataset has the long names.
+    # Of benchmarks, whose dataset has the long names; seconds of whole runs, too.
     "error": Column(
-        "",
-        ERROR,
-        Tolerance(1e-6, 1e-11, "collision_error over max|Q|; a tolerance's plan is deterministic"),
-        symbol=r"$\|Q - Q_\mathrm{ref}\|_\infty / \|Q_\mathrm{ref}\|_\infty$",
-    ),
+        "", ERROR, Q_PLANNED, symbol=r"$\|Q - Q_\mathrm{ref}\|_\infty / \|Q_\mathrm{ref}\|_\infty$"),
     "seconds": Column(
-        "",
-        tolerance=OF_MACHINE,
-        long_name="wall time of the run, set-up included",
-        units="s",
-        symbol="time per evaluation of $Q$ (s)",
-    ),
-    "speedup": Column(
-        "baseline / this",
-        tolerance=replace(OF_MACHINE, reason="a quotient of seconds on a shared machine"),
-    ),
+        "", ".3g", SECONDS, "wall time of the run, set-up included", "s",
+        symbol="time per evaluation of $Q$ (s)"),
+    "speedup": Column("baseline / this", ".3g", SPEEDUP),
     "transforms": Column(),
-    "fft_seconds": Column("FFT seconds", tolerance=OF_SECONDS),
-    "overhead": Column("seconds / FFT seconds", tolerance=replace(OF_MACHINE, reason="as speedup")),
-    "peak_memory_mb": Column(
-        "peak memory (MB)", tolerance=replace(OF_MACHINE, reason="depends on the allocator")
-    ),
-    "front": Column(tolerance=replace(OF_MACHINE, reason="follows from seconds")),
+    "fft_seconds": Column("FFT seconds", ".3g", FFT),
+    "overhead": Column("seconds / FFT seconds", ".3g", OVERHEAD),
+    "peak_memory_mb": Column("peak memory (MB)", ".3g", MEMORY),
+    "front": Column(tolerance=FRONT),
     "baseline": Column(),
     "reason": Column(),
     "time_exponent": Column(
-        "time: exponent in N",
-        tolerance=replace(OF_MACHINE, reason="a slope through seconds"),
-        long_name="p of seconds ~ N^p, fitted to the runs of a method",
-    ),
+        "time: exponent in N", ".3g", GROWTH, "p of seconds ~ N^p, fitted to the runs of a method"),
     "memory_exponent": Column(
-        "memory: exponent in N",
-        tolerance=replace(OF_MACHINE, reason="a slope through peak memories"),
-        long_name="p of peak memory ~ N^p, fitted where it is above {least} MB",
-    ),
+        "memory: exponent in N", ".3g", MEMORY_GROWTH,
+        "p of peak memory ~ N^p, fitted where it is above {least} MB"),
     "law_exponent": Column(
-        "N^(d+1) log N: exponent",
-        long_name="p of N^{{d+1}} log N ~ N^p, fitted to the same N",
-    ),
-    # What else an evolution can be asked for.
-    "density_drift": Column("", ERROR, Tolerance(1e-6, 1e-11, "round-off of a sum over the grid")),
+        "N^(d+1) log N: exponent", ".3g", CONSTANT,
+        "p of N^{{d+1}} log N ~ N^p, fitted to the same N"),
+    # What else an evolution or a state can be asked for.
+    "density_drift": Column("", ERROR, DRIFT),
     "density": Column(),
     "energy": Column(),
     "paper_temperature": Column(),
@@ -272,10 +209,12 @@ COLUMNS: dict[str, Column] = OF_QUANTITY | {
     "velocity_scale": Column(),
     "collision_time": Column(),
     "collisions": Column(),
+    # Of the map, and of every table.
     "wrong": Column(long_name="whether the label breaks the rule", units=""),
     "status": Column(),
 }
 """All columns by the name of their variable, in reading order."""
+# fmt: on
 
 DERIVED: dict[str, Column] = {
     "_standard_error": Column(digits=ERROR, solved=ROUGH, long_name="standard error of {of}"),
