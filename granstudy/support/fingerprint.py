@@ -14,9 +14,11 @@ from pathlib import Path
 PACKAGE = Path(__file__).parents[1]
 
 FORK_NAME = "FORK"
-"""Name that a module defines to say that it is a fork: it only chooses between others, or says what can be
-chosen. A fork is neither followed nor hashed: whoever asks for a fingerprint names the branch that is taken. So a
-new method, a row in such a module, changes no run."""
+"""Name that a module defines to say that it is a fork.
+
+A fork only chooses between others, or says what can be chosen. It is neither followed nor hashed: whoever asks
+for a fingerprint names the branch that is taken. So a new method, a row in such a module, changes no run.
+"""
 
 
 def fingerprint(modules: Iterable[str]) -> str:
@@ -55,7 +57,8 @@ def imported_modules(module: str) -> tuple[str, ...]:
 def is_fork(module: str) -> bool:
     """Whether a module says that it only chooses between others."""
     return any(
-        isinstance(node, ast.Assign) and FORK_NAME in [getattr(name, "id", "") for name in node.targets]
+        isinstance(node, ast.Assign)
+        and FORK_NAME in [getattr(name, "id", "") for name in node.targets]
         for node in ast.parse(_source(module).read_text()).body
     )
 

@@ -13,7 +13,7 @@ from granstudy.analysis.figures.style import COLOURS, PANEL_HEIGHT, WIDTH
 from granstudy.analysis.groups import keys
 from granstudy.analysis.labels import run_text, telling_apart
 from granstudy.analysis.source import FigureSource
-from granstudy.analysis.tables.truth import truth_of
+from granstudy.analysis.tables.truth import truth_model, truth_of
 from granstudy.datasets.netcdf import read_dataset
 from granstudy.evolution.frames.physical import physical_density
 from granstudy.trust.flags import flag_word
@@ -45,8 +45,8 @@ def draw_gallery(source: FigureSource) -> Figure:
         panels[0].plot(ds["time"], ds["temperature"], **look, label=label)
         panels[1].plot(ds["time"], ds["a2"], **look)
         _density(panels[2], ds, look)
-        assert run.model.truth is not None and run.time is not None
-        by_law = run.model.truth.law is not None
+        assert run.time is not None
+        by_law = truth_model(run).law is not None
         gas = str(run.scene.describe()) if by_law else run.truth.path
         if gas not in truths:
             truths[gas] = truth_of(run, files, _dense(run.time.recorded))

@@ -15,7 +15,7 @@ from granstudy.datasets.netcdf import read_dataset, run_seconds
 from granstudy.datasets.open_runs import final_values
 from granstudy.model.methods import METHODS
 from granstudy.particles.dataset import time_average
-from granstudy.study.schema.experiment import AverageModel
+from granstudy.study.schema.experiment import AverageModel, EvolutionExperiment
 from granstudy.support.errors import unknown_name
 from granstudy.trust.flags import Status
 
@@ -37,6 +37,7 @@ def evolution_table(source: TableSource) -> xr.Dataset:
     ValueError
         If the runs do not have the quantity.
     """
+    assert isinstance(source.experiment, EvolutionExperiment)
     asked, fit, rows = source.experiment.table, source.experiment.fit, source.rows
     # Before all files are open: netCDF4 has crashed where a file was opened twice.
     averages = _averages(rows, asked.average) if asked and asked.average else {}

@@ -13,6 +13,7 @@ from granstudy.analysis.source import Row, TableSource
 from granstudy.analysis.tables.runs import check_quantity, with_swept
 from granstudy.datasets.open_runs import final_values
 from granstudy.study.run import Run
+from granstudy.study.schema.experiment import StateExperiment
 
 COMPARED = {"cooling": ("a2",), "heated": ("a2", "temperature")}
 """What a state is compared in with other experiments; a cooling state has no temperature of its own."""
@@ -42,15 +43,14 @@ def state_table(source: TableSource) -> xr.Dataset:
     ValueError
         If the runs do not have the quantity, or another's table does not fit.
     """
-    rows, asked = source.rows, source.experiment.table
+    assert isinstance(source.experiment, StateExperiment)
+    rows, state = source.rows, source.experiment.state
     names = ["temperature", "a2", "a3", "cooling_coefficient", "a2_error_estimate", "status"]
     with final_values([file for _, file in rows]) as final:
         # One thread: netCDF4 has crashed under several.
         table = final[[*names, "trust"]].load(scheduler="synchronous")
     table = with_swept(table.rename(a2_error_estimate="estimated_a2_error"), rows)
-    others = dict(zip(asked.beside if asked else (), source.beside, strict=True))
-    state = rows[0].run.model.state
-    assert state is not None
+    others = dict(zip(source.experiment.beside_table, source.beside, strict=True))
     table.attrs |= {"state": state, "dim": rows[0].run.scene.dim, "beside": " ".join(others)}
     shown = []
     for quantity in COMPARED[state]:

@@ -55,8 +55,7 @@ class Kind:
 
 def _evolution(source: TableSource) -> xr.Dataset:
     """The table of evolutions, beside a truth where they have one."""
-    make = evolution_table if source.experiment.truth is None else truth_table
-    return make(source)
+    return truth_table(source) if source.experiment.has_truth else evolution_table(source)
 
 
 KINDS: dict[str, Kind] = {

@@ -11,6 +11,7 @@ from granstudy.analysis.tables.runs import with_seconds, with_swept
 from granstudy.datasets.netcdf import read_dataset
 from granstudy.datasets.open_runs import final_values
 from granstudy.study.run import Run
+from granstudy.study.schema.experiment import EvolutionExperiment, TruthModel
 from granstudy.trust.truth import Truth, errors, maxwell_truth, truth_of_dataset
 
 MEASURES = (
@@ -53,8 +54,15 @@ def truth_table(source: TableSource) -> xr.Dataset:
         table[name].attrs = {"long_name": long_name, "units": "1"}
     table = with_swept(table, rows)
     table.attrs["truth"] = "; ".join(sources)
+    assert isinstance(source.experiment, EvolutionExperiment)
     asked = source.experiment.table
     return with_seconds(table, rows) if asked and asked.seconds else table
+
+
+def truth_model(run: Run) -> TruthModel:
+    """What the study file says of a run's truth."""
+    assert isinstance(run.model, EvolutionExperiment) and run.model.truth is not None
+    return run.model.truth
 
 
 def truth_of(run: Run, files: Mapping[str, str], times: np.ndarray) -> Truth:
@@ -69,8 +77,7 @@ def truth_of(run: Run, files: Mapping[str, str], times: np.ndarray) -> Truth:
     times : ndarray
         Where an exact law is evaluated; a run that serves as truth has its own.
     """
-    assert run.model.truth is not None
-    if run.model.truth.law is not None:
+    if truth_model(run).law is not None:
         return maxwell_truth(run.scene, times)
     return truth_of_dataset(read_dataset(files[run.truth.path]))
 
