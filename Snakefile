@@ -13,7 +13,4 @@ include: "workflow/rules/plan.smk"
 rule all:
     default_target: True
     input:
-        tables(),
-        figures(),
-        study_map(),
-        notebooks(),
+        LAYOUT.wanted,

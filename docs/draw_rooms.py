@@ -32,6 +32,9 @@ LEFT, FIRST_COLUMN, COLUMN = 40.0, 580.0, 34.0
 ROOF = 118.0
 """Height of the roof."""
 
+TEXT, LETTER = 8.8, 6.3
+"""Size of text in points, and about how wide a letter of that size is in pixels."""
+
 HEADS = 78.0
 """Where the names of the arrows stand."""
 
@@ -90,9 +93,11 @@ def _draw_room(axes: Axes, name: str) -> None:
         LEFT + 12, top + 19, name, size=12, weight="bold", va="center_baseline", gid=f"room {name}"
     )
     what = re.sub(r"\s*\(.*?\)", "", purpose(HOUSE, name)).replace("`", "").rstrip(".")
-    what = textwrap.shorten(what, int((right - LEFT - 135) / 6.1), placeholder=" …")
-    axes.text(LEFT + 125, top + 19, what, size=8.8, va="center_baseline", style="italic")
-    axes.text(LEFT + 12, top + 44, contents(name), size=8.8, va="center", gid=f"in {name}")
+    what = textwrap.shorten(what, int((right - LEFT - 135) / LETTER), placeholder=" …")
+    axes.text(LEFT + 125, top + 19, what, size=TEXT, va="center_baseline", style="italic")
+    inside = contents(name)
+    size = min(TEXT, TEXT * (right - LEFT - 24) / (LETTER * len(inside)))
+    axes.text(LEFT + 12, top + 44, inside, size=size, va="center", gid=f"in {name}")
 
 
 def _draw_floors(axes: Axes) -> None:
@@ -112,7 +117,7 @@ def _draw_roof(axes: Axes) -> None:
     middle = (LEFT + right) / 2
     axes.text(middle, ROOF - 42, "granstudy", size=12, weight="bold", ha="center", va="center")
     says = "__init__.py: the public names"
-    axes.text(middle, ROOF - 20, says, size=8.8, style="italic", ha="center", va="center")
+    axes.text(middle, ROOF - 20, says, size=TEXT, style="italic", ha="center", va="center")
 
 
 def _height(importer: str) -> float:
@@ -133,7 +138,7 @@ def _draw_arrows(axes: Axes) -> None:
         if heights:
             x = _column(imported)
             axes.plot([x, x], [HEADS, min(heights)], color=FAINT, linewidth=0.8, zorder=1)
-            axes.text(x - 3, HEADS - 3, imported, size=8.8, rotation=50, rotation_mode="anchor")
+            axes.text(x - 3, HEADS - 3, imported, size=TEXT, rotation=50, rotation_mode="anchor")
             axes.annotate(
                 "",
                 (_column(imported), _top(imported)),
@@ -162,7 +167,7 @@ def draw() -> Figure:
         _draw_room(axes, name)
     _draw_arrows(axes)
     says = "Numbers count imports from file to file: on the left stands who imports, below who is imported."
-    axes.text(LEFT, height - 18, says, size=8.8, va="center")
+    axes.text(LEFT, height - 18, says, size=TEXT, va="center")
     return figure
 
 

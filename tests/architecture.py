@@ -32,10 +32,14 @@ rooms on one floor do not know each other."""
 APART = {("trust", "collision"): "trust judges what any method computed, so it knows none"}
 """Rooms of which the first does not import the second, although it stands above it, and why."""
 
-SPELLS = {
-    "granstudy.support.fingerprint": "names the forks, which a run's key leaves out; it imports none",
+FORKS = {
+    "granstudy.model.methods": "says what each method takes",
+    "granstudy.collision.choice.methods": "names what makes the operator of each method",
+    "granstudy.collision.operator": "chooses the method where it is open",
+    "granstudy.evolution.simulate": "takes the grid or the particles",
 }
-"""Modules that may spell the name of another in a string, and why. No module imports by one."""
+"""Modules that may define `FORK`, and why. A fork only chooses: no run's key depends on its code
+(`granstudy.support.fingerprint`), so that nothing that a number depends on may stand in one."""
 
 MODULE = r"granstudy(\.\w+)+(:\w+)?"
 """How a string spells a module, or a name in one."""
@@ -76,7 +80,6 @@ def imports(house: Path) -> list[Import]:
         for importer, path in files.items()
         for imported, how in {(_module(name, files), how) for name, how in _names(path)}
         if imported is not None and imported != importer
-        if how != "by string" or importer not in SPELLS
     )
 
 

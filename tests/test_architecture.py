@@ -7,6 +7,7 @@ import pytest
 from architecture import (
     APART,
     FLOORS,
+    FORKS,
     HOUSE,
     circles,
     entries,
@@ -60,6 +61,14 @@ def nothing_imports_what_a_string_names(house: Path) -> list[str]:
     ]
 
 
+def forks_are_known(house: Path) -> list[str]:
+    return [
+        name
+        for name, path in modules(house).items()
+        if re.search(r"^FORK\b", path.read_text(encoding="utf-8"), re.M) and name not in FORKS
+    ]
+
+
 def no_relative_import(house: Path) -> list[str]:
     return [
         f"{name}: {line}"
@@ -98,6 +107,7 @@ RULES = (
     no_circle,
     imports_stand_open,
     nothing_imports_what_a_string_names,
+    forks_are_known,
     no_relative_import,
     rooms_are_small,
     files_are_small,
@@ -185,6 +195,14 @@ OTHER = "granstudy/model/b.py"
             ["granstudy.model.a: import_module"],
         ),
         (
+            forks_are_known,
+            {
+                "granstudy/trust/a.py": "FORK = True\n",
+                "granstudy/evolution/simulate.py": "FORK = 1",
+            },
+            ["granstudy.trust.a"],
+        ),
+        (
             no_relative_import,
             {"granstudy/model/a.py": "from .b import f", OTHER: ""},
             ["granstudy.model.a: from .b import f"],
@@ -210,7 +228,6 @@ def test_the_rule_lets_a_sound_house_be(tmp_path, rule):
         {
             "granstudy/__init__.py": "from granstudy.evolution.simulate import simulate",
             "granstudy/evolution/simulate.py": "def f():\n    import numpy",
-            "granstudy/support/fingerprint.py": "FORKS = ['granstudy.model.b']",
             "granstudy/model/a.py": '"""See\n\ngranstudy.study"""\nfrom granstudy.model.b import B',
             OTHER: "A = 1\n'granstudy.study'\n",
             "granstudy/support/b.py": "from pathlib import Path",

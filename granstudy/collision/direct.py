@@ -1,9 +1,13 @@
 """The direct method: Q̂_k = Σ_{l+m=k} G(l,m) f̂_l f̂_m from exact angular weights, O(N^{2d}).
 
-No angular quadrature error, and no O(N^{2d}) storage: for a constant restitution the gain weight depends
-on |k| and |m−αk| alone (docs/method.md §2), for one that depends on the impact speed on |k|, |m| and the
-angle between them. The reference that the other methods are measured against; ``circular`` makes it the
-paper's direct method, down to how its code evaluates sinc.
+Angles are integrated exactly, so that the other methods are measured against this one. Storage stays below
+O(N^{2d}), as the gain weight depends on few scalars (docs/method.md §2):
+
+    restitution             gain weight G⁺ depends on
+    constant e              |k|, |m−αk|
+    law e(|g·ω|)            |k|, |m|, the angle of k and m
+
+`Solver.circular` makes it the paper's direct method, down to how the paper's code evaluates sinc.
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -23,24 +27,24 @@ from granstudy.collision.weights import (
     radial_measure,
 )
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.model.solver import SizedSolver
 from granstudy.quadrature import Rule
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.sphere import paper_sphere_mean, sphere_area, sphere_mean
 
 DEGREE = 5
-"""Degree of the piecewise polynomials in |m−αk| that tabulate the gain weight."""
+"""Degree of the piecewise polynomials in |m−αk| that the gain weight is tabulated with."""
 
 CELL = 0.05
-"""Their cell in units of 1/R: an error of about 1e-15 of the largest weight."""
+"""Length of a polynomial's cell, in units of 1/R: the error is about 1e-15 of the largest weight."""
 
 
 class DirectOperator:
-    """Q(f,f) by summing over all pairs of modes."""
+    """Q(f,f) as the sum over all pairs of modes."""
 
     transforms = 2
 
-    def __init__(self, scene: Scene, solver: Solver) -> None:
+    def __init__(self, scene: Scene, solver: SizedSolver) -> None:
         self.grid = grid = solver.grid(scene.dim)
         self.scene = scene
         self.circular = solver.circular
@@ -82,12 +86,15 @@ class DirectOperator:
         return Q if np.iscomplexobj(f) else Q.real
 
     def transform(self) -> None:
-        """Make the transforms of one call and nothing else: two, which cost next to nothing."""
+        """Make the two transforms of one call and nothing else, for benchmarks."""
         np.fft.ifftn(np.fft.fftn(np.zeros(self.grid.shape)))
 
 
 class GainTable:
-    """G⁺ for constant e, |S|² C_λ Σ_ρ w ρ^{d−1+λ} mean(ρα|k|) mean(ρ|m−αk|), a |k| at a time."""
+    """Gain weight for a constant e, tabulated in |m−αk| for one |k| at a time.
+
+    G⁺ = |S|² C_λ Σ_ρ w_ρ ρ^{d−1+λ} mean(ρα|k|) mean(ρ|m−αk|), with the mean of e^{iσ·x} over the sphere.
+    """
 
     def __init__(
         self, e: float, grid: VelocityGrid, radial: Rule, measure: np.ndarray, mean: SphereMean
@@ -100,7 +107,7 @@ class GainTable:
         largest = self.unit * np.sqrt(grid.dim) * grid.N / 2 * (1 + self.alpha)
         self.width = CELL / grid.R
         cells = int(largest / self.width) + 2
-        # Chebyshev points of every cell, and the map from values there to coefficients.
+        # Chebyshev points of every cell, and the matrix from values there to coefficients.
         t = np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
         self.to_coefficients = np.linalg.inv(np.vander(t, increasing=True))
         s = (np.arange(cells)[:, None] + (t + 1) / 2) * self.width
@@ -125,10 +132,12 @@ class GainTable:
 
 
 class GainSeries:
-    """G⁺ for e(|g·ω|) as a series in the angle of k and m: Legendre in 3D, Fourier in 2D.
+    """Gain weight for a law e(|g·ω|), a series in the angle of k and m for one |k| at a time.
 
-    With mean_phase = Σ_l a_l P_l(k̂·ĝ), ∫e^{−iρm·ĝ} P_l(k̂·ĝ) dĝ = 4π (−i)^l j_l(ρ|m|) P_l(k̂·m̂); in 2D cos lθ
-    for P_l and 2π (−i)^l J_l for 4π (−i)^l j_l.
+    With `mean_phase` = Σ_l a_l P_l(k̂·ĝ), every term is integrated over ĝ in closed form:
+
+        3D   ∫e^{−iρm·ĝ} P_l(k̂·ĝ) dĝ = 4π (−i)^l j_l(ρ|m|) P_l(k̂·m̂)
+        2D   ∫e^{−iρm·ĝ} cos lθ dĝ = 2π (−i)^l J_l(ρ|m|) cos lθ_m, θ and θ_m the angles from k
     """
 
     def __init__(
@@ -210,7 +219,10 @@ def _sum_table(modes, group, f_hat, loss, circular, alpha, scale, table, Q_hat):
 
 @numba.njit(nogil=True, cache=True)
 def _sum_series(modes, group, f_hat, loss, circular, dim, series, place, Q_hat):
-    """Σ_m [Σ_l series[|m|², l] P_l(k̂·m̂) − loss_m] f̂_{k−m} f̂_m for each k of the group; cos lθ in 2D."""
+    """Σ_m [Σ_l series[|m|², l] P_l(k̂·m̂) − loss_m] f̂_{k−m} f̂_m for each k of the group.
+
+    In 2D cos lθ stands for P_l.
+    """
     nx, ny, nz = f_hat.shape
     for p in group:
         kx, ky, kz = modes[p]
@@ -236,7 +248,7 @@ def _sum_series(modes, group, f_hat, loss, circular, dim, series, place, Q_hat):
 
 @numba.njit(nogil=True, cache=True)
 def _partners(mode, shape, circular):
-    """FFT indices of k − m along each axis for all m there; −1 where k − m is outside the spectrum."""
+    """FFT indices of k − m for all m, one array per axis; −1 where k − m lies outside the spectrum."""
     return (
         _axis_partners(mode[0], shape[0], circular),
         _axis_partners(mode[1], shape[1], circular),
@@ -246,7 +258,7 @@ def _partners(mode, shape, circular):
 
 @numba.njit(nogil=True, cache=True)
 def _axis_partners(k, N, circular):
-    """FFT index of k − m for the N wavenumbers m of one axis, −1 where that is outside the spectrum."""
+    """FFT index of k − m for the N wavenumbers m of one axis; −1 where k − m lies outside the spectrum."""
     out = np.empty(N, np.int64)
     for i in range(N):
         difference = k - _wavenumber(i, N)
@@ -263,7 +275,7 @@ def _wavenumber(i, N):
 
 @numba.njit(nogil=True, cache=True)
 def _sum_polynomials(dim, coefficients, mu):
-    """Σ_l coefficients[l] P_l(mu) by the three-term recurrence; T_l, that is cos lθ, in 2D."""
+    """Σ_l coefficients[l] P_l(mu) by the three-term recurrence; in 2D T_l(mu) = cos lθ for P_l."""
     before, now = 1.0, mu
     total = coefficients[0]
     for degree in range(1, coefficients.size):

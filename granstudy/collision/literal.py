@@ -1,8 +1,8 @@
-"""The paper's recipe: complex transforms, every node of the rule, products on the grid.
+"""The paper's recipe, method `literal`: complex transforms, every node of the rule, products on the grid.
 
-The yardstick for digits and for speed. It is fair (planned FFTW transforms on reused buffers, phases as
-products of stored one-dimensional vectors, vectorised NumPy, threads over nodes) but uses no symmetry,
-pairing or fusion.
+Other methods are measured against this one, in digits and in speed. The yardstick is fair: FFTW transforms
+are planned on reused buffers, phases are products of stored one-dimensional vectors, NumPy works on whole
+arrays, threads share the nodes. Symmetry, pairs ±g and fused loops are left to the method `fast`.
 """
 
 import numpy as np
@@ -13,21 +13,21 @@ from granstudy.collision.protocol import check_state
 from granstudy.collision.rules import directions, radial_nodes
 from granstudy.collision.weights import alpha, loss_weight, mean_gain, radial_measure
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.model.solver import SizedSolver
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.sphere import paper_sphere_mean
 
 BATCH = 2**15
-"""Grid points transformed together: small grids take several nodes at a time."""
+"""Grid points transformed together. A small grid takes several nodes at a time."""
 
 
 class LiteralOperator:
     """Q̂_k = Σ_{ρ,ĝ} w_ρ w_ĝ ρ^{d−1} F(k,ρ,ĝ) FFT[f · IFFT(e^{−iπρ m·ĝ/L} f̂_m)]_k (paper eqs. 43, 46).
 
-    As the paper does, a run advances f̂ itself and never projects it on real densities.
+    A run advances f̂ itself, as the paper's does, and never projects f on real densities.
     """
 
-    def __init__(self, scene: Scene, solver: Solver) -> None:
+    def __init__(self, scene: Scene, solver: SizedSolver) -> None:
         self.grid = grid = solver.grid(scene.dim)
         radial, sphere = radial_nodes(scene, solver), directions(scene, solver)
         measure = radial_measure(scene.kernel, grid.dim, radial.points, radial.weights)
@@ -36,7 +36,8 @@ class LiteralOperator:
         self.shells = np.repeat(np.arange(len(radial)), len(sphere))
         self.shift_phases = phase_factors(grid, -g)
 
-        # F⁺ is a phase times a function of |k| a shell, or for e(|g·ω|) a stored array a node.
+        # For a constant e, F⁺ is a phase times a function of |k|, one function per shell. For a law
+        # e(|g·ω|) it is an array per node.
         self.gain_phases, self.F = None, None
         if callable(scene.restitution):
             self.F = np.array(
@@ -80,7 +81,7 @@ class LiteralOperator:
         return Q if np.iscomplexobj(f) else Q.real
 
     def spectrum(self, f_hat: np.ndarray) -> np.ndarray:
-        """Q̂ from f̂, the rate of change of what a run advances."""
+        """Q̂ from f̂: the rate of change of the spectrum that a run advances."""
         check_state(f_hat, self.grid)
         f = np.fft.ifftn(f_hat) * f_hat.size
         parts = self.workers.map(
@@ -121,7 +122,7 @@ class LiteralOperator:
         return total
 
     def _weight(self, nodes: slice) -> np.ndarray:
-        """w_ρ w_ĝ ρ^{d−1} F(k,ρ,ĝ) on the whole spectrum, a batch of nodes (paper eqs. 42 and 45)."""
+        """w_ρ w_ĝ ρ^{d−1} F(k,ρ,ĝ) of a batch of nodes on the whole spectrum (paper eqs. 42 and 45)."""
         if self.gain_phases is None:
             assert self.F is not None
             F = self.F[nodes]
@@ -135,7 +136,7 @@ class LiteralOperator:
 
 
 def phase_factors(grid: VelocityGrid, displacements: np.ndarray) -> list[np.ndarray]:
-    """One-dimensional factors of e^{iπ k·x/L} for every x, an axis at a time, ready to broadcast."""
+    """Factors of e^{iπ k·x/L} for every displacement x: one array per axis, ready to broadcast."""
     return [
         np.exp(1j * np.pi / grid.L * np.outer(component, grid.wavenumbers)).reshape(
             -1, *(grid.N if i == axis else 1 for i in range(grid.dim))
@@ -145,7 +146,10 @@ def phase_factors(grid: VelocityGrid, displacements: np.ndarray) -> list[np.ndar
 
 
 class _BatchBuffers:
-    """Buffers and plans of one thread; transforms are unnormalised."""
+    """A batch's densities and spectra, with planned transforms between them, for one thread.
+
+    The transforms are unnormalised.
+    """
 
     def __init__(self, batch: int, shape: tuple[int, ...]) -> None:
         self.density = pyfftw.zeros_aligned((batch, *shape), dtype="complex128")

@@ -1,33 +1,33 @@
-"""The quadrature in the relative velocity g = ρĝ that a solver asks for."""
+"""The solver's quadrature rules for the relative velocity g = ρĝ: radii ρ and directions ĝ."""
 
 import numpy as np
 
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.model.solver import SizedSolver
 from granstudy.quadrature import Rule, circle_rule, half, radial_rule, sphere_rule
 from granstudy.quadrature.orbits import invariance, representatives
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.symmetry import Symmetry
 
 
-def radial_nodes(scene: Scene, solver: Solver) -> Rule:
-    """Nodes and weights on [0, R] for integrands ρ^{d−1+λ} × (even function of ρ)."""
+def radial_nodes(scene: Scene, solver: SizedSolver) -> Rule:
+    """The solver's nodes ρ and weights on [0, R], for integrands ρ^{d−1+λ} × (even function of ρ)."""
     assert solver.N_rho is not None
     exponent = scene.dim - 1 + scene.kernel.exponent
     return radial_rule(solver.N_rho, solver.R, solver.radial_rule, exponent)
 
 
-def directions(scene: Scene, solver: Solver) -> Rule:
-    """Unit vectors ĝ and weights that sum to 2π (2D) or 4π (3D)."""
+def directions(scene: Scene, solver: SizedSolver) -> Rule:
+    """The solver's unit vectors ĝ, with weights that sum to 2π (2D) or 4π (3D)."""
     if scene.dim == 2:
         return circle_rule(solver.M_cir)
     return sphere_rule(solver.M_sph, solver.sphere_rule)
 
 
 def reduce_directions(rule: Rule, group: Symmetry) -> tuple[Symmetry, Rule]:
-    """The largest part of a group that the rule has too, and one direction of each orbit.
+    """The largest subgroup that leaves the rule as it is, and one direction of each orbit under it.
 
-    The group is {1} where it saves nothing over pairs ±ĝ.
+    The subgroup is {1} where orbits are no fewer than pairs ±ĝ.
     """
     pairs = half(rule)
     kept = invariance(rule, group)
@@ -38,10 +38,10 @@ def reduce_directions(rule: Rule, group: Symmetry) -> tuple[Symmetry, Rule]:
 
 
 def converged_radial(scene: Scene, grid: VelocityGrid) -> Rule:
-    """A radial rule so fine that the weights' integrals over ρ are exact to round-off.
+    """A radial rule so fine that the integrals over ρ in all weights are exact to round-off.
 
-    The integrand's phase reaches R·(α|k| + |m−αk|)π/L ≤ 2π√d·N/2·R/L; a Gauss rule resolves a phase x with
-    about x/2 nodes and then converges at once.
+    The integrand's phase reaches R·(α|k| + |m−αk|)π/L ≤ 2π√d·N/2·R/L. A Gauss rule resolves a phase x with
+    about x/2 nodes, and from there on converges at once.
     """
     phase = 2.0 * np.pi * np.sqrt(grid.dim) * grid.N / 2 * grid.R / grid.L
     exponent = grid.dim - 1 + scene.kernel.exponent

@@ -1,4 +1,4 @@
-"""Fourier weights of the collision operator (docs/method.md §2)."""
+"""Fourier weights of gain and loss, for a constant restitution and for laws e(|g·ω|) (docs/method.md §2)."""
 
 from collections.abc import Callable
 from functools import lru_cache
@@ -24,7 +24,7 @@ def alpha(restitution: np.ndarray | float) -> np.ndarray | float:
 
 
 def radial_measure(kernel: VHS, dim: int, rho: np.ndarray, w_rho: np.ndarray) -> np.ndarray:
-    """|S^{d−1}| C_λ w_ρ ρ^{d−1+λ}: everything at a radial node that knows no direction."""
+    """|S^{d−1}| C_λ w_ρ ρ^{d−1+λ}: the factors of the weight at a radial node that all directions share."""
     return sphere_area(dim) * kernel.strength * w_rho * rho ** (dim - 1 + kernel.exponent)
 
 
@@ -38,7 +38,7 @@ def loss_weight(
 ) -> np.ndarray:
     """G⁻(m) = |S|² C_λ Σ_ρ w_ρ ρ^{d−1+λ} mean(πρ|m|/L) (paper eqs. 44 and 47).
 
-    Shape: the full spectrum, or with ``half`` the part a real transform stores.
+    The array covers the full spectrum, or with ``half`` the part that a real transform stores.
     """
     m2, place = np.unique(grid.wavenumber_squared(half), return_inverse=True)
     measure = radial_measure(kernel, grid.dim, rho, w_rho)
@@ -53,11 +53,17 @@ def mean_phase(
     parallel: np.ndarray,
     transverse: np.ndarray,
 ) -> np.ndarray:
-    """Mean over σ of e^{iα K·(ĝ−σ)} with K = πρk/L split along and across ĝ.
+    """Mean over σ of e^{iα K·(ĝ−σ)} for K = πρk/L, given by its parts along ĝ and across.
 
-    K·(ĝ−σ) = 2u² K∥ − 2u√(1−u²) K⊥ cos φ with u = sin(χ/2); the mean over φ is a Bessel function in
-    3D and a cosine (φ = 0, π) in 2D. ``rho`` broadcasts with ``parallel`` and ``transverse``; the
-    result has their common shape.
+    K·(ĝ−σ) = 2u² K∥ − 2u√(1−u²) K⊥ cos φ with u = sin(χ/2). The mean over φ is a Bessel function in 3D, and
+    in 2D, where φ is 0 or π, a cosine.
+
+    Parameters
+    ----------
+    rho : float or ndarray
+        Radii ρ, which broadcast with ``parallel`` and ``transverse``.
+    parallel, transverse : ndarray
+        K∥ and K⊥. The result has their common shape.
     """
     u, weights = deflections(dim, float(np.max(np.hypot(parallel, transverse))))
     ring_mean = np.cos if dim == 2 else j0
@@ -72,7 +78,7 @@ def mean_phase(
 def mean_gain(
     restitution: RestitutionLaw, grid: VelocityGrid, rho: float, direction: np.ndarray
 ) -> np.ndarray:
-    """F⁺(k,ρ,ĝ) / (|S| C_λ ρ^λ) on the whole spectrum."""
+    """F⁺(k,ρ,ĝ) / (|S| C_λ ρ^λ) of one node on the whole spectrum."""
     scale = np.pi * rho / grid.L
     k = np.meshgrid(*(grid.wavenumbers,) * grid.dim, indexing="ij", sparse=True)
     parallel = sum(ki * gi for ki, gi in zip(k, direction, strict=True))
@@ -83,10 +89,10 @@ def mean_gain(
 def pair_series(
     restitution: RestitutionLaw, dim: int, radii: np.ndarray, k: np.ndarray
 ) -> np.ndarray:
-    """Weight of an antipodal pair ±ĝ as Chebyshev series Σ_n c[ρ, |k|, n] T_n(2(k̂·ĝ)² − 1).
+    """Weight of an antipodal pair ±ĝ as a Chebyshev series Σ_n c[ρ, |k|, n] T_n(2(k̂·ĝ)² − 1).
 
-    The weight Re(mean_phase · e^{−i½ρ k·ĝ}) is even in k̂·ĝ and oscillates no faster than ½ρ|k|, so
-    that interpolation in ½ρ|k|/2 + 12 Chebyshev points of (k̂·ĝ)² is exact to round-off for smooth laws.
+    The weight Re(mean_phase · e^{−i½ρ k·ĝ}) is even in k̂·ĝ and oscillates no faster than ½ρ|k|. For a smooth
+    law, interpolation in 12 + 0.3ρ|k| Chebyshev points of (k̂·ĝ)² is exact to round-off.
 
     Parameters
     ----------
@@ -95,7 +101,7 @@ def pair_series(
     k : ndarray, shape (n,)
         Magnitudes π|k|/L.
     """
-    # Making it takes seconds, and planning a quadrature asks for few different ones.
+    # A series takes seconds to make, and planning a quadrature asks for few different ones.
     return _pair_series(restitution, dim, tuple(map(float, radii)), tuple(map(float, k))).copy()
 
 

@@ -1,9 +1,10 @@
 """Initial densities by name; each is a function of the velocity components and knows its symmetry."""
 
+import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import ClassVar, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from scipy.special import gamma
@@ -23,6 +24,11 @@ class InitialDensity(Protocol):
 
     def __call__(self, *v: np.ndarray) -> np.ndarray:
         """Density at the velocities ``v``."""
+
+
+def parameter(default: Any, text: str) -> Any:
+    """A field of a density that users set, with what a study file's schema says of it."""
+    return dataclasses.field(default=default, metadata={"help": text})
 
 
 def _squared(v: Sequence[np.ndarray], centre: Sequence[float]) -> np.ndarray:
@@ -144,8 +150,8 @@ class Maxwellian:
     """Maxwellian of unit density with bulk ``velocity`` and ``temperature``."""
 
     dim: int
-    temperature: float = 1.0
-    velocity: tuple[float, ...] | None = None
+    temperature: float = parameter(1.0, "temperature T, default 1")
+    velocity: tuple[float, ...] | None = parameter(None, "bulk velocity u, default 0")
 
     def __post_init__(self) -> None:
         check_positive("temperature", self.temperature)
@@ -181,7 +187,7 @@ class UniformBall:
     """
 
     dim: int
-    temperature: float = 1.0
+    temperature: float = parameter(1.0, "temperature T, default 1")
     symmetry: ClassVar[str] = "full"
 
     def __post_init__(self) -> None:
@@ -213,8 +219,8 @@ class PowerLaw:
     """
 
     dim: int
-    tail: float = 12.0
-    temperature: float = 1.0
+    tail: float = parameter(12.0, "s of the tail |v|^-s, above d + 4, default 12")
+    temperature: float = parameter(1.0, "temperature T, default 1")
     symmetry: ClassVar[str] = "full"
 
     def __post_init__(self) -> None:
@@ -245,8 +251,8 @@ class TwoBeams:
     """
 
     dim: int
-    separation: float = 4.0
-    temperature: float = 1.0
+    separation: float = parameter(4.0, "distance of the beams, default 4")
+    temperature: float = parameter(1.0, "temperature T of each beam, default 1")
 
     def __post_init__(self) -> None:
         for field in ("separation", "temperature"):
@@ -302,3 +308,11 @@ def named_density(name: object) -> Callable[..., NamedDensity]:
     if name not in INITIAL_DENSITIES:
         raise unknown_name("scene", name, scene_names())
     return INITIAL_DENSITIES[str(name)]
+
+
+def density_parameters(name: str) -> tuple[dataclasses.Field[Any], ...]:
+    """What users can set of the density of that name: its fields beside the dimension."""
+    made = INITIAL_DENSITIES[name]
+    density = made.func if isinstance(made, partial) else made
+    fields = dataclasses.fields(density) if dataclasses.is_dataclass(density) else ()
+    return tuple(field for field in fields if field.name != "dim")

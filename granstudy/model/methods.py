@@ -61,6 +61,9 @@ METHODS: dict[str, Method] = {
 }
 """All methods, in the order in which messages list them."""
 
+YARDSTICK = "literal"
+"""The method that speedups are taken over: the paper's recipe, every transform made."""
+
 ONLY_SOME = frozenset().union(*(method.takes for method in METHODS.values()))
 """Fields that only some methods take; in a solver of another method they keep their default."""
 

@@ -1,7 +1,6 @@
 """Scene: the gas that is modelled, by its initial density, kernel, restitution, heating and symmetry."""
 
 import dataclasses
-import inspect
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from granstudy.model.densities import named_density
+from granstudy.model.densities import density_parameters, named_density
 from granstudy.model.kernel import VHS, maxwell
 from granstudy.model.restitution import Restitution, check_restitution
 from granstudy.model.stated_moments import StatedMoments
@@ -176,7 +175,7 @@ def load_scene(name: str, **overrides: Any) -> Scene:
     fields = {field.name for field in dataclasses.fields(Scene)} - {"dim", "initial"}
     scene_fields = {key: value for key, value in overrides.items() if key in fields}
     own = {key: value for key, value in overrides.items() if key not in fields}
-    allowed = set(inspect.signature(make).parameters)
+    allowed = {parameter.name for parameter in density_parameters(name)}
     for key in own:
         if key not in allowed:
             raise unknown_name(f"field of scene {name!r}", key, sorted(fields | allowed))

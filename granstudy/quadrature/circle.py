@@ -1,4 +1,4 @@
-"""The rule on the circle."""
+"""The rule on the unit circle."""
 
 import numpy as np
 
@@ -8,9 +8,9 @@ from granstudy.quadrature.rule import Rule, check_size
 def circle_rule(M_cir: int) -> Rule:
     """Uniform angles 2πj/M_cir, j = 0..M_cir−1, with weights 2π/M_cir (docs/method.md §2).
 
-    Points (M_cir, 2). Exact for trigonometric polynomials to degree M_cir − 1 (the trapezoidal
-    rule); cos(M_cir θ) is the first it misses. The placement, from angle 0 on, is the paper's: its
-    digits depend on it.
+    This is the trapezoidal rule, exact for trigonometric polynomials to degree M_cir − 1. The first that it
+    misses is cos(M_cir θ). The first angle is 0 as in the paper, whose digits depend on it. Points
+    (M_cir, 2).
 
     Raises
     ------

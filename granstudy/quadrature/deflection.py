@@ -1,12 +1,12 @@
-"""Nodes for the mean over the deflection χ of a collision."""
+"""The rule for the mean over the deflection angle χ of a collision."""
 
 import numpy as np
 
 
 def deflections(dim: int, scale: float) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes u = sin(χ/2) in [0, 1] and weights of the mean over σ, resolving phases up to ``scale``.
+    """Nodes u = sin(χ/2) in [0, 1] and weights of the mean over σ, fine enough for phases up to ``scale``.
 
-    The measure of the mean is 2u du in 3D and (2/π) du/√(1−u²), that is dχ/π, in 2D.
+    The measure of the mean is 2u du in 3D and (2/π) du/√(1−u²) = dχ/π in 2D.
     """
     x, w = np.polynomial.legendre.leggauss(48 + int(0.75 * scale))
     if dim == 2:

@@ -1,4 +1,4 @@
-"""The symmetric spherical designs that are shipped, as data files beside this module."""
+"""The shipped symmetric spherical designs, data files beside this module."""
 
 from importlib.resources import files
 

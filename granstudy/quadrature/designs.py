@@ -2,20 +2,22 @@
 
     python -m granstudy.quadrature.designs [M_sph ...] [--folder FOLDER] [--starts STARTS]
 
-A spherical design of degree t is a set of M points with (1/M) Σ p(x_i) = (1/4π) ∫ p dω for
-every polynomial p of degree at most t, that is, with residual zero: Σ Y_lm(x_i) = 0 for
-1 ≤ l ≤ t (Delsarte, Goethals and Seidel 1977). Sought are unions of orbits {h x : h ∈ G} of a few
-free points x under a group G of signed permutations of the axes with −1 in it. Every odd l
-vanishes by symmetry, so an odd t needs the sums for even l < t only; they are invariant under G,
-so no more of them are independent than the harmonics of degree l have invariants of G.
+A spherical design of degree t is a set of M points with (1/M) Σ p(x_i) = (1/4π) ∫ p dω for every polynomial
+p of degree at most t. Its residual is zero: Σ Y_lm(x_i) = 0 for 1 ≤ l ≤ t (Delsarte, Goethals and Seidel
+1977).
+
+The designs sought are unions of orbits {h x : h ∈ G} of a few free points x. G is a group of signed
+permutations of the axes with −1 in it. Sums of odd l vanish by symmetry, so that an odd t leaves the sums
+of even l < t. The sums are invariant under G: no more of them are independent than the harmonics of degree
+l have invariants of G.
 
 1. Start: seeded random points, spread by minimising the Coulomb energy of the whole set.
 2. Solve: nonlinear least squares on the sums, with exact Jacobian.
 3. Polish: Gauss–Newton steps with residuals in long double precision.
-4. Choose: of several starts the solution with the largest smallest angle between two points.
-5. Orient: where G is {±1} alone the first point is put at the north pole, its nearest neighbour
-   at y = 0; a larger G is aligned with the axes from the start.
-6. Round the free points. Their images are then exact, as G permutes and negates coordinates.
+4. Choose: among the solutions from several starts, the one with the largest smallest angle between points.
+5. Orient: where G is {±1}, the first point is put at the north pole and its nearest neighbour at y = 0. A
+   larger G is aligned with the axes from the start.
+6. Round: the free points are rounded. Their images are then exact, as G permutes and negates coordinates.
 """
 # ruff: noqa: E741 -- l is the degree of Y_lm in every book
 
@@ -37,29 +39,29 @@ STARTS = 64
 """Starting points tried for each size."""
 
 SOLVED = 1e-12
-"""Largest residual, before the polish, of a start that has reached a design."""
+"""Largest residual, before the polish, of a solution that counts as a design."""
 
 POLISH_STEPS = 4
-"""Gauss–Newton steps; they converge quadratically from 1e-12, so two would do."""
+"""Gauss–Newton steps. They converge quadratically from 1e-12, so that two would do."""
 
 SINGULAR = 1e-9
-"""Relative singular value below which a direction (as a rotation that G allows) is left alone."""
+"""Relative singular value below which a direction is left alone, such as a rotation that G allows."""
 
 COINCIDENT = 1e-9
-"""Distance below which two images are the same point."""
+"""Distance below which two images count as the same point."""
 
 
 @dataclass(frozen=True)
 class Orbits:
-    """What a set is made of: the orbits of free points under a group G.
+    """The orbits of free points under a group G, of which a set of points is made.
 
     Attributes
     ----------
     generators : tuple of str
         Coordinate triplets that generate G together with −1.
     in_plane : int
-        How many of the free points, the first ones, lie in z = 0. That is to be a mirror plane of G:
-        their orbits have half the size.
+        How many of the free points, the first ones, lie in the plane z = 0. The plane must be a mirror
+        plane of G; the orbits of its points have half the size.
     """
 
     generators: tuple[str, ...] = ()
@@ -67,32 +69,32 @@ class Orbits:
 
     @cached_property
     def group(self) -> NDArray:
-        """Matrices of the rotations in G, which is these and their negatives; (|G|/2, 3, 3)."""
+        """Matrices of the rotations in G, shape (|G|/2, 3, 3). G consists of these and their negatives."""
         elements = Symmetry.generated(3, "-x,-y,-z", *self.generators).elements
         matrices = np.array([move(h, np.eye(3)).T for h in sorted(elements)])
         return matrices[np.linalg.det(matrices) > 0]
 
     def free_count(self, M_sph: int) -> int:
-        """Free points of a set of M_sph points."""
+        """Number of free points of a set of M_sph points."""
         return (M_sph // len(self.group) + self.in_plane) // 2
 
     def points(self, u: NDArray) -> tuple[NDArray, NDArray]:
-        """Free points x = u/|u|, rows (n, 3), of any vectors u; and the lengths |u|, (n, 1)."""
+        """Free points x = u/|u|, shape (n, 3), of any vectors u, and the lengths |u|, shape (n, 1)."""
         rows = np.array(u).reshape(-1, 3)
         rows[: self.in_plane, 2] = 0
         length = np.sqrt(np.sum(rows**2, axis=1, keepdims=True))
         return rows / length, length
 
     def shares(self, count: int) -> NDArray:
-        """Sizes of the free points' orbits over |G|, (count,)."""
+        """Sizes of the free points' orbits over |G|, shape (count,)."""
         return np.where(np.arange(count) < self.in_plane, 0.5, 1.0)
 
     def images(self, free: NDArray) -> NDArray:
-        """Images h x under every rotation h in G of every free point x, (|G|/2, n, 3)."""
+        """Images h x of every free point x under every rotation h in G, shape (|G|/2, n, 3)."""
         return np.array([free @ h.T for h in self.group])
 
     def all_points(self, free: NDArray) -> NDArray:
-        """The whole set: from the pole to z = 0, then the negatives of these; without −0.0."""
+        """The whole set without −0.0: points from the pole to z = 0, then their negatives."""
         half = self.images(free).reshape(-1, 3)
         points = np.unique(np.concatenate([half, -half]) + 0.0, axis=0)
         x, y, z = points.T
@@ -108,19 +110,25 @@ ORBITS = {
     156: Orbits(("y,z,x",)),
     192: Orbits(("y,z,x",)),
 }
-"""What the sets are made of, {±1} for the other sizes.
+"""Orbits of the set of each size. For other sizes the group is {±1}.
 
-The unknowns (two for a free point, one for a point in the plane, less one where rotations about an axis
-of G keep it) must be as many as the independent sums: 7 for 32 points, 63 for 192 points at degree 19, 39
-for 120 at degree 15, which without symmetry have 117 for 119 sums. Sizes of remainder 4 modulo 6, as 70
-and 94, exclude the axis (1,1,1), and the other groups leave them too few unknowns. Designs of 6 and 12
-points are octahedron and icosahedron; `orient` places them as the paper does, and its digits depend on it.
+The unknowns must be as many as the independent sums. A free point has two, a point in the plane one, less
+one where rotations about an axis of G keep the set.
+
+    points    degree    unknowns = independent sums
+    32        7         7
+    120       15        39 (without symmetry 117 unknowns for 119 sums)
+    192       19        63
+
+Sizes of remainder 4 modulo 6, such as 70 and 94, exclude the axis (1,1,1), and the other groups leave them
+too few unknowns. The designs of 6 and 12 points are octahedron and icosahedron. `orient` places them as the
+paper does, whose digits depend on it.
 """
 
 
 @dataclass(frozen=True)
 class Design:
-    """A computed design: `points` (M_sph, 3), exact to `degree`, reached from `seed`."""
+    """A computed design: ``points`` (M_sph, 3), exact to ``degree``, reached from ``seed``."""
 
     points: NDArray
     degree: int
@@ -128,9 +136,9 @@ class Design:
 
 
 def compute_design(M_sph: int, starts: int = STARTS) -> Design:
-    """Compute the best separated of the designs reached from `starts` seeds.
+    """The design of a size in `DESIGN_DEGREE`: the best separated one reached from ``starts`` seeds.
 
-    `M_sph` is a size in `DESIGN_DEGREE`. Row i + M_sph/2 of the points is exactly minus row i.
+    Row i + M_sph/2 of the points is exactly minus row i.
 
     Raises
     ------
@@ -154,7 +162,7 @@ def compute_design(M_sph: int, starts: int = STARTS) -> Design:
 
 
 def spread(count: int, orbits: Orbits, seed: int) -> NDArray:
-    """`count` free points whose orbits have a (locally) least Coulomb energy."""
+    """``count`` free points whose orbits have a locally least Coulomb energy."""
     u = np.random.default_rng([seed, count]).normal(size=3 * count)
     options = {"maxiter": 2000, "maxfun": 4000, "ftol": 1e-13, "gtol": 1e-7}
     result = minimize(_energy, u, args=(orbits,), jac=True, method="L-BFGS-B", options=options)
@@ -162,9 +170,9 @@ def spread(count: int, orbits: Orbits, seed: int) -> NDArray:
 
 
 def solve(start: NDArray, degree: int, orbits: Orbits) -> NDArray:
-    """Free points near `start` at which the sums of all harmonics vanish (if they can).
+    """Free points near ``start`` at which the sums of all harmonics vanish, as far as they can.
 
-    Unknowns are vectors u with x = u/|u|, so dY/du = (tangential gradient of Y)/|u|.
+    The unknowns are vectors u with x = u/|u|, so that dY/du = (tangential gradient of Y)/|u|.
     """
     modes = even_modes(degree)
     if len(modes) == 0:
@@ -185,13 +193,13 @@ def solve(start: NDArray, degree: int, orbits: Orbits) -> NDArray:
 
 
 def polish(free: NDArray, degree: int, orbits: Orbits) -> NDArray:
-    """Free points with residual at long double round-off."""
+    """Free points whose residual is at the round-off of long double."""
     modes = even_modes(degree)
     x = orbits.points(free.astype(np.longdouble))[0]
     for _ in range(POLISH_STEPS if len(modes) else 0):
         sums = means(x, modes, orbits)
         jacobian = mean_gradients(x, modes, orbits).reshape(len(modes), -1)
-        # the step itself needs few digits: the sums above carry the precision
+        # The step needs few digits, as the sums above carry the precision.
         step = np.linalg.lstsq(jacobian.astype(float), -sums.astype(float), rcond=SINGULAR)[0]
         x = orbits.points(x + step.reshape(x.shape))[0]
     return x
@@ -200,7 +208,7 @@ def polish(free: NDArray, degree: int, orbits: Orbits) -> NDArray:
 def orient(free: NDArray) -> NDArray:
     """Rotate so that row 0 is (0, 0, 1) and its nearest axis has y = 0, x > 0.
 
-    `free` are points of an antipodal set without their antipodes.
+    ``free`` holds one point of each pair of an antipodal set.
     """
     pole = free[0]
     nearest = 1 + np.argmax(np.abs(free[1:] @ pole)) if len(free) > 1 else None
@@ -209,18 +217,18 @@ def orient(free: NDArray) -> NDArray:
     y = np.cross(pole, seed)
     y /= np.sqrt(y @ y)
     rotated = free @ np.stack([np.cross(y, pole), y, pole], axis=1)
-    rotated[np.abs(rotated) < np.finfo(float).eps ** 1.1] = 0  # zero but for long double round-off
+    rotated[np.abs(rotated) < np.finfo(float).eps ** 1.1] = 0  # the round-off of long double
     return rotated
 
 
 def even_modes(degree: int) -> NDArray:
-    """Modes (l, m) that antipodes do not cancel, even l < degree; shape (count, 2)."""
+    """Modes (l, m) with even l < degree, which antipodes do not cancel; shape (count, 2)."""
     modes = [(l, m) for l in range(2, degree, 2) for m in range(-l, l + 1)]
     return np.array(modes, dtype=int).reshape(-1, 2)
 
 
 def means(free: NDArray, modes: NDArray, orbits: Orbits) -> NDArray:
-    """Mean of each Y_lm, l even, over the whole set; shape (modes,)."""
+    """Mean of every Y_lm, l even, over the whole set; shape (modes,)."""
     shares = orbits.shares(len(free))
     images = [np.mean(harmonics(x, modes) * shares, axis=1) for x in orbits.images(free)]
     return np.mean(images, axis=0) / np.mean(shares)
@@ -229,7 +237,7 @@ def means(free: NDArray, modes: NDArray, orbits: Orbits) -> NDArray:
 def mean_gradients(free: NDArray, modes: NDArray, orbits: Orbits) -> NDArray:
     """Tangential gradients of `means` in the free points, shape (modes, n, 3).
 
-    That of Y(h x) in x is hᵀ(∇Y)(h x).
+    The gradient of Y(h x) in x is hᵀ(∇Y)(h x).
     """
     turned = zip(orbits.images(free), orbits.group, strict=True)
     gradients = np.mean([harmonic_gradients(x, modes) @ h for x, h in turned], axis=0)
@@ -245,7 +253,7 @@ def smallest_angle(points: NDArray) -> float:
 
 
 def write_design(design: Design, folder: Path) -> Path:
-    """Write the points with 17 digits and a header that says what they are and how made."""
+    """Write the points with 17 digits, below a header that says what they are and how they were made."""
     M_sph = len(design.points)
     header = (
         f"Symmetric spherical design: {M_sph} points, degree {design.degree}, equal weights.\n"
@@ -260,7 +268,7 @@ def write_design(design: Design, folder: Path) -> Path:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Compute and write the designs named on the command line, all of them by default."""
+    """Compute and write the designs that the command line names, by default all."""
     parser = argparse.ArgumentParser(description="Compute the symmetric spherical designs.")
     sizes = list(DESIGN_DEGREE)
     parser.add_argument("M_sph", nargs="*", type=int, help=f"sizes, of {sizes}; default all")
@@ -278,8 +286,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def _energy(u: NDArray, orbits: Orbits) -> tuple[float, NDArray]:
     """Coulomb energy over |G|, ½ Σ_i Σ_j q_i q_j/|x_i − x_j|, and its gradient in u, x = u/|u|.
 
-    i runs over free points, j over their images under G, q are the orbits' shares (a point in the plane is
-    met twice among its images). By symmetry the gradient is the plain force.
+    i runs over free points, j over their images under G. q are the orbits' shares, as a point in the plane
+    is met twice among its images. By symmetry the gradient is the plain force.
     """
     x, length = orbits.points(u)
     q = orbits.shares(len(x))

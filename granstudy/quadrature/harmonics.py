@@ -1,13 +1,13 @@
-"""Real spherical harmonics, and how far a set of directions integrates them exactly.
+"""Real spherical harmonics, and the degree to which a set of directions integrates them exactly.
 
-Normalised over the sphere, (1/4π) ∫ Y_lm² dω = 1, so that Y_00 = 1:
+The harmonics are normalised over the sphere, (1/4π) ∫ Y_lm² dω = 1, so that Y_00 = 1:
 
     Y_lm(x, y, z)  =  A_lm(z) Re (x + iy)^m,   m ≥ 0
     Y_l,-m(x, y, z) = A_lm(z) Im (x + iy)^m,   m > 0
     A_lm(z) = sqrt((2 − δ_m0) (2l + 1) (l − m)!/(l + m)!) d^m P_l/dz^m
 
-Written in x, y, z the harmonics are polynomials: no angle, no division by sin θ, nothing
-singular at the poles.
+In x, y, z the harmonics are polynomials. No angle is needed, no division by sin θ, and nothing is singular
+at the poles.
 """
 # ruff: noqa: E741 -- l is the degree of Y_lm in every book
 
@@ -17,15 +17,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 EXACT_TOLERANCE = 1e-12
-"""Residual below which a harmonic counts as integrated exactly: points stored with 15 digits
-leave about 1e-15, a generic rule one degree beyond its own leaves 1e-3 or more."""
+"""Largest residual of a harmonic that counts as integrated exactly. Points stored with 15 digits leave
+about 1e-15, a generic rule one degree beyond its own 1e-3 or more."""
 
 
 def residual(points: NDArray, degree: int, weights: NDArray | None = None) -> float:
     """Largest |Σ w_i Y_lm(x_i)| / Σ w_i over all 1 ≤ l ≤ degree and |m| ≤ l.
 
-    `points` is (n, 3), `weights` (n,) or None for equal weights. A spherical design of degree t
-    is a set whose residual to degree t is zero (Delsarte, Goethals and Seidel 1977).
+    A set whose residual to degree t is zero, with equal weights, is a spherical design of degree t
+    (Delsarte, Goethals and Seidel 1977).
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    weights : ndarray, shape (n,), optional
+        By default equal weights.
     """
     means = _means(points, _shares(points, weights), degree)
     return max((float(abs(mean)) for l, mean in means if l > 0), default=0.0)
@@ -34,8 +40,8 @@ def residual(points: NDArray, degree: int, weights: NDArray | None = None) -> fl
 def exact_degree(points: NDArray, weights: NDArray | None = None) -> int:
     """Largest degree t for which `residual(points, t, weights)` is at most `EXACT_TOLERANCE`.
 
-    The search ends by itself: a rule with positive weights and n points is never exact beyond
-    degree 2 √n, because a square of a polynomial vanishing at all points must integrate to zero.
+    The search ends by itself. A rule with positive weights and n points is never exact beyond degree 2 √n:
+    a polynomial that vanishes at all points exists, and its square does not integrate to zero.
     """
     share = _shares(points, weights)
     limit = 2 * int(np.sqrt(len(points))) + 1
@@ -44,9 +50,13 @@ def exact_degree(points: NDArray, weights: NDArray | None = None) -> int:
 
 
 def harmonics(points: NDArray, modes: NDArray) -> NDArray:
-    """Values Y_lm(x_i), shape (number of modes, n); `modes` holds rows (l, m), `points` is (n, 3).
+    """Values Y_lm(x_i), shape (modes, n), in the precision of ``points``.
 
-    Computed in the precision of `points`, so `np.longdouble` points give long double values.
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    modes : ndarray of int, shape (modes, 2)
+        Rows (l, m).
     """
     degree, order = int(modes[:, 0].max()), np.abs(modes[:, 1])
     A = _associated_table(points[:, 2], degree + 1)
@@ -54,15 +64,15 @@ def harmonics(points: NDArray, modes: NDArray) -> NDArray:
 
 
 def harmonic_gradients(points: NDArray, modes: NDArray) -> NDArray:
-    """Tangential gradients of Y_lm at x_i, shape (number of modes, n, 3).
+    """Tangential gradients of Y_lm at x_i, shape (modes, n, 3).
 
-    The polynomial above is differentiated in x, y, z and projected on the tangent plane, using
-    d Re(x+iy)^m = m Re[(x+iy)^{m−1} (dx + i dy)] and dA_lm/dz ∝ A_l,m+1.
+    The polynomial at the head of this module is differentiated in x, y, z and projected on the tangent
+    plane, with d Re(x+iy)^m = m Re[(x+iy)^{m−1} (dx + i dy)] and dA_lm/dz ∝ A_l,m+1.
     """
     l, m = modes[:, 0], modes[:, 1]
     degree, order = int(l.max()), np.abs(m)
     A, powers = _associated_table(points[:, 2], degree + 1), _powers(points, degree)
-    # exact ratio of the normalisations of A_lm and A_l,m+1; zero at m = l, where A is constant
+    # The exact ratio of the normalisations of A_lm and A_l,m+1: zero at m = l, where A is constant.
     halved = np.where(order == 0, 1, 2) / points.dtype.type(2)
     ratio = np.sqrt((l - order) * (l + order + 1) * halved)
     lower = order[:, None] * powers[np.maximum(order - 1, 0)]
@@ -75,14 +85,14 @@ def harmonic_gradients(points: NDArray, modes: NDArray) -> NDArray:
 
 
 def _shares(points: NDArray, weights: NDArray | None) -> NDArray:
-    """Weights divided by their sum; equal ones where none are given."""
+    """Weights divided by their sum, or equal shares where no weights are given."""
     if weights is None:
         return np.full(len(points), 1 / points.dtype.type(len(points)))
     return weights / np.sum(weights)
 
 
 def _means(points: NDArray, share: NDArray, degree: int) -> Iterator[tuple[int, float]]:
-    """Pairs (l, Σ share_i Y_lm(x_i)) to `degree`, a vector at a time: large rules fit in memory."""
+    """Pairs (l, Σ share_i Y_lm(x_i)) to ``degree``, one by one, so that large rules fit in memory."""
     powers = _powers(points, degree)
     for m in range(degree + 1):
         for l, A in _associated(points[:, 2], m, degree):
@@ -98,13 +108,13 @@ def _powers(points: NDArray, degree: int) -> NDArray:
 
 
 def _select(powers: NDArray, m: NDArray) -> NDArray:
-    """Re (x + iy)^m for m ≥ 0, Im (x + iy)^|m| for m < 0, one row a mode."""
+    """Re (x + iy)^m for m ≥ 0, Im (x + iy)^|m| for m < 0: a row for every mode."""
     rows = powers[np.abs(m)]
     return np.where(m[:, None] >= 0, rows.real, rows.imag)
 
 
 def _associated_table(z: NDArray, degree: int) -> NDArray:
-    """A[l, m] at all z for 0 ≤ m ≤ l ≤ degree, zero elsewhere; shape (degree+1, degree+1, n)."""
+    """A_lm at all z for 0 ≤ m ≤ l ≤ degree, and zero for m > l; shape (degree+1, degree+1, n)."""
     table = np.zeros((degree + 1, degree + 1, len(z)), dtype=z.dtype)
     for m in range(degree + 1):
         for l, A in _associated(z, m, degree):

@@ -1,4 +1,4 @@
-"""Rules of growing size on the circle or the sphere that keep a symmetry group."""
+"""A ladder of rules of growing size on the circle or the sphere that all keep a symmetry group."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,14 +11,19 @@ from granstudy.quadrature.sphere import sphere_rule
 from granstudy.velocity.symmetry import Symmetry
 
 LEBEDEV_SIZES = (6, 14, 26, 38, 50, 86, 110, 146, 170, 194, 302, 434, 590, 770, 974)
-"""Lebedev's rules without those of negative weights and, at the top, without every other."""
+"""Points of Lebedev's rules on the ladder. Rules with negative weights are excluded, and of the largest
+every other one."""
 
 CIRCLE_SIZES = (4, 6, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 48, 56, 64, 80, 96, 128)
+"""Points of the circles on the ladder."""
 
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """One rule of a ladder: its ``pairs`` ±ĝ, and the ``reduced`` rule of its orbits."""
+    """One rule of a ladder, of ``size`` points.
+
+    ``pairs`` holds one point of each pair ±ĝ, ``reduced`` one point of each orbit, with the weights of all.
+    """
 
     size: int
     pairs: Rule
@@ -27,7 +32,7 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class Ladder:
-    """Rules that all keep ``group``, under which their orbits are taken; cheapest first."""
+    """Rules that all keep ``group``, the group of their orbits. The cheapest rule comes first."""
 
     rule: str
     group: Symmetry
@@ -37,17 +42,17 @@ class Ladder:
         return len(self.steps)
 
     def level(self, size: int) -> int:
-        """Which step has the size."""
+        """Number of the step whose rule has ``size`` points."""
         return next(i for i, step in enumerate(self.steps) if step.size == size)
 
 
 @cache
 def ladder(dim: int, group: Symmetry) -> Ladder:
-    """Lebedev's rules (3D) or circles (2D) that keep a scene's group.
+    """The ladder of Lebedev's rules (3D) or circles (2D) that keep a scene's group.
 
-    Lebedev's rules keep every group there is; circles of 4m points too, others may not. Where the group
-    saves nothing over pairs ±ĝ on any rule it is {1}. A rule is left out where a larger one has no more
-    orbits.
+    Lebedev's rules and circles of 4m points keep every group; other circles may not, and are then left out.
+    A rule is left out as well where a larger rule has no more orbits. The ladder's group is {1} where
+    orbits are no fewer than pairs ±ĝ on every rule.
     """
     name = "circle" if dim == 2 else "lebedev"
     rules = (

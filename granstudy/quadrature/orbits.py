@@ -8,9 +8,10 @@ from granstudy.velocity.symmetry import Element, Symmetry, move
 
 
 def invariance(rule: Rule, group: Symmetry) -> Symmetry:
-    """The elements of ``group`` under which `symmetrise(rule)` is invariant, weights included.
+    """The subgroup of ``group`` that leaves `symmetrise(rule)` as it is, weights included.
 
-    Lebedev's rules keep all of the octahedral group, designs what their orbits are made by (or ±1 only).
+    Lebedev's rules are invariant under the whole octahedral group, a design under the group that made its
+    orbits.
     """
     full = symmetrise(rule)
     tree = KDTree(full.points)
@@ -20,8 +21,8 @@ def invariance(rule: Rule, group: Symmetry) -> Symmetry:
 def representatives(rule: Rule, group: Symmetry) -> Rule:
     """One point of each orbit of `symmetrise(rule)` under ``group`` and ±1, with the orbit's weight.
 
-    Applied to an average over the group and ±1 it is the whole rule. Of each orbit the point that
-    comes first is kept; with the group {1} this is `half`.
+    Applied to an average over the group and ±1, it gives the same as the whole rule. The first point of
+    each orbit is kept. With the group {1} the result is that of `half`.
 
     Raises
     ------
@@ -35,7 +36,7 @@ def representatives(rule: Rule, group: Symmetry) -> Rule:
         if not _keeps(h, full, tree):
             raise ValueError(f"rule {rule.name!r} is not invariant under {group!r}")
         for sign in (1.0, -1.0):
-            # the image of an orbit's point is in the orbit, so the least row over all images names it
+            # All images of a point lie in its orbit, so that the least row among them names the orbit.
             first = np.minimum(first, tree.query(sign * move(h, full.points))[1])
     rows, orbit = np.unique(first, return_inverse=True)
     weights = np.bincount(orbit, weights=full.weights).astype(np.float64)

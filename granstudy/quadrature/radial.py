@@ -1,4 +1,4 @@
-"""Rules on the radius, [0, R]."""
+"""Rules on the radius ρ in [0, R]."""
 
 import numpy as np
 from scipy.special import roots_jacobi
@@ -8,28 +8,30 @@ from granstudy.support.checks import check_positive
 from granstudy.support.errors import unknown_name
 
 RADIAL_RULES = ("legendre", "jacobi")
+"""Names of the rules that `radial_rule` takes."""
 
 
 def radial_rule(N_rho: int, R: float, rule: str = "legendre", exponent: float = 0.0) -> Rule:
     """N_rho nodes on [0, R] with Σ_i w_i φ(ρ_i) ≈ ∫_0^R φ(ρ) dρ for the whole integrand φ.
 
     legendre
-        Gauss–Legendre, the paper's (docs/method.md §2). Degree 2 N_rho − 1 in ρ; `exponent` plays
-        no part.
+        Gauss–Legendre, the paper's rule (docs/method.md §2). Degree 2 N_rho − 1 in ρ. `exponent` plays no
+        part.
     jacobi
-        For φ(ρ) = ρ^exponent h(ρ²), h smooth. With s = ρ², ∫ φ dρ = ½ ∫_0^{R²} s^b h(s) ds,
-        b = (exponent − 1)/2, by Gauss–Jacobi (Abramowitz and Stegun 25.4.33); the factor
-        ρ^exponent is divided out of the weights again. Exact for h to degree 2 N_rho − 1, so
-        `degree`, which counts h(ρ²) in ρ, is 4 N_rho − 2. Converges spectrally for every
-        exponent, while Legendre is of algebraic order for a non-integer one: the collision
-        integrand averaged over the sphere is of this form, with exponent d − 1 + λ.
+        Gauss–Jacobi in s = ρ² (Abramowitz and Stegun 25.4.33), for φ(ρ) = ρ^exponent h(ρ²) with h smooth:
+        ∫ φ dρ = ½ ∫_0^{R²} s^b h(s) ds, b = (exponent − 1)/2. The factor ρ^exponent is divided out of the
+        weights again. Exact for h to degree 2 N_rho − 1; `degree`, which counts h(ρ²) in ρ, is 4 N_rho − 2.
+
+    The collision integrand averaged over the sphere has the form ρ^exponent h(ρ²), with exponent d − 1 + λ.
+    Jacobi converges spectrally for every exponent, Legendre with an algebraic order where the exponent is
+    not an integer.
 
     Points (N_rho,), increasing, in the open interval.
 
     Raises
     ------
     ValueError
-        If `N_rho` is not a positive integer, `R` not positive, `exponent` not above −1, or `rule`
+        If `N_rho` is not a positive integer, `R` is not positive, `exponent` is not above −1, or `rule` is
         not known.
     """
     check_size("N_rho", N_rho)

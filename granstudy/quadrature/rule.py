@@ -1,4 +1,4 @@
-"""Quadrature rules: points and weights, and nothing about integrands."""
+"""Quadrature rules: points and weights."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 ANTIPODAL_TOLERANCE = 1e-12
-"""Distance within which x_j is the antipode −x_i, and relative difference of equal weights."""
+"""Largest distance of a point from the antipode that it stands for, and relative difference of equal
+weights."""
 
 UNIT_TOLERANCE = 1e-12
 """Largest | |x_i| − 1 | of a direction."""
@@ -21,14 +22,14 @@ class Rule:
     Attributes
     ----------
     points : ndarray, read-only
-        (n,) for a radial rule, (n, 2) unit vectors on the circle, (n, 3) on the sphere.
+        Shape (n,) for a radial rule; unit vectors (n, 2) on the circle, (n, 3) on the sphere.
     weights : ndarray, read-only
-        (n,). They sum to the measure of the domain: R, 2π or 4π.
+        Shape (n,). The weights sum to the measure of the domain: R, 2π or 4π.
     degree : int
-        The rule is exact for polynomials (on the circle and sphere: harmonics) to this degree;
-        −1 where not even constants are.
+        Degree to which the rule is exact for polynomials, on the circle and the sphere for harmonics; −1
+        where it is not exact for constants.
     name : str
-        What it is, for people.
+        Name for messages.
 
     Raises
     ------
@@ -59,9 +60,9 @@ class Rule:
 
     @cached_property
     def antipodal(self) -> bool:
-        """Whether −x is a point with the same weight whenever x is, to `ANTIPODAL_TOLERANCE`.
+        """Whether every point x has its antipode −x among the points, with the same weight.
 
-        False for a radial rule.
+        Points and weights are compared to `ANTIPODAL_TOLERANCE`. False for a radial rule.
         """
         if self.points.ndim == 1:
             return False
@@ -75,10 +76,9 @@ class Rule:
 
 
 def symmetrise(rule: Rule) -> Rule:
-    """Make the antipodal rule ½ Σ_i w_i [φ(x_i) + φ(−x_i)]; one that is antipodal stays as it is.
+    """The antipodal rule ½ Σ_i w_i [φ(x_i) + φ(−x_i)]. An antipodal rule is returned as it is.
 
-    Row i + n is minus row i. Odd functions are then integrated exactly, so an even degree grows by
-    one.
+    Row i + n is minus row i. Odd functions are integrated exactly, so that an even degree grows by one.
 
     Raises
     ------
@@ -96,10 +96,10 @@ def symmetrise(rule: Rule) -> Rule:
 def half(rule: Rule) -> Rule:
     """One point of each antipodal pair of `symmetrise(rule)`, with the weight of both.
 
-    For a solver that evaluates ½ [φ(x) + φ(−x)] at once: the half rule applied to that average is
-    the symmetrised rule applied to φ, and has its degree (which holds for averages, that is, for
-    even functions, only). Of each pair the point that comes first is kept. A rule that is not
-    antipodal therefore keeps all its points and weights.
+    The half rule is for a solver that evaluates ½ [φ(x) + φ(−x)] at once. Applied to that average it gives
+    what the symmetrised rule gives for φ. Its degree is that of the symmetrised rule, and holds for even
+    functions alone. The first point of each pair is kept, so that a rule that is not antipodal keeps all
+    its points and weights.
 
     Raises
     ------
@@ -130,7 +130,7 @@ def check_size(field: str, value: object) -> None:
 
 
 def check_unit_vectors(field: str, points: NDArray[np.float64]) -> None:
-    """Raise a ValueError naming `field` and the worst row if a row is not of unit length."""
+    """Raise ValueError, naming ``field`` and the worst row, unless all rows have unit length."""
     deviation = np.abs(np.linalg.norm(points, axis=1) - 1)
     worst = int(np.argmax(deviation))
     if deviation[worst] > UNIT_TOLERANCE:
@@ -141,7 +141,7 @@ def check_unit_vectors(field: str, points: NDArray[np.float64]) -> None:
 
 
 def _read_only(field: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Copy, check to be finite, and make read-only."""
+    """A read-only copy, checked to be finite."""
     array = np.array(values, dtype=np.float64)
     if not np.all(np.isfinite(array)):
         raise ValueError(f"{field}: not all finite")
@@ -150,12 +150,12 @@ def _read_only(field: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _antipodes(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-    """For each x the distance from −x to the nearest point, and that point's row."""
+    """For every point x, the distance from −x to the nearest point, and that point's row."""
     return KDTree(points).query(-points)
 
 
 def _antipodal_degree(degree: int) -> int:
-    """Degree once odd functions are exact too: the next odd one from an even one."""
+    """Degree of a rule once it is exact for all odd functions: an even degree grows by one."""
     return degree + 1 if degree % 2 == 0 else degree
 
 

@@ -1,4 +1,4 @@
-"""Rules on the sphere."""
+"""Rules on the unit sphere."""
 
 import os
 import warnings
@@ -20,39 +20,43 @@ LEBEDEV_DEGREE = {
     1730: 71, 2030: 77, 2354: 83, 2702: 89, 3074: 95, 3470: 101, 3890: 107, 4334: 113, 4802: 119,
     5294: 125, 5810: 131,
 }  # fmt: skip
-"""Degree of the Lebedev rule of each size, as in `scipy.integrate.lebedev_rule` (Lebedev and
-Laikov 1999). Those of 74, 230 and 266 points have negative weights."""
+"""Degree of the Lebedev rule of each size, as in `scipy.integrate.lebedev_rule` (Lebedev and Laikov 1999).
+The rules of 74, 230 and 266 points have negative weights."""
 
 PRODUCT_SIZES = tuple(2 * n**2 for n in range(1, 65))
+"""Points of the product rules."""
 
 SPHERE_RULES = ("design", "lebedev", "product", "gauss-theta-phi")
+"""Names of the rules that `sphere_rule` takes, beside paths of text files."""
 
 Size = int | tuple[int, int] | None
+"""Size M_sph of a rule: points, the pair (N_theta, N_phi), or None for all points of a file."""
 
 
 def sphere_rule(M_sph: Size, rule: str | os.PathLike[str] = "design") -> Rule:
-    """Rule with M_sph points on the unit sphere, weights summing to 4π (docs/method.md §2).
+    """Rule with M_sph points on the unit sphere and weights that sum to 4π (docs/method.md §2).
 
     design
         Symmetric spherical designs, equal weights, computed by `granstudy.quadrature.designs`.
     lebedev
         Lebedev's octahedral rules, from scipy.
     product
-        n Gauss–Legendre nodes in cos θ × 2n uniform φ from 0 on, M_sph = 2n², degree 2n − 1.
+        n Gauss–Legendre nodes in cos θ × 2n uniform φ from 0 on: M_sph = 2n², degree 2n − 1.
     gauss-theta-phi
-        The paper's Table 8: Gauss–Legendre in θ on [0, π], with sin θ in the weight, × Gauss–
-        Legendre in φ on [0, 2π]. M_sph is the pair (N_theta, N_phi). No polynomial is integrated
-        exactly, not even 1 (so here the weights sum to 4π only in the limit): degree −1.
+        The rule of the paper's Table 8: Gauss–Legendre in θ on [0, π], with sin θ in the
+        weight, × Gauss–Legendre in φ on [0, 2π]. M_sph is the pair (N_theta, N_phi). No polynomial is
+        integrated exactly, not even 1: the degree is −1, and the weights sum to 4π in the limit of many
+        points.
     path of a text file
-        Unit vectors in three columns, equal weights; the degree is measured. M_sph is the number
-        of points, or None to take as many as there are.
+        Unit vectors in three columns, equal weights, degree measured. M_sph is the number of points, or
+        None for all points of the file.
 
     Points (M_sph, 3).
 
     Raises
     ------
     ValueError
-        If `M_sph` is not a size of the rule (the nearest are named), the rule is neither known nor
+        If `M_sph` is not a size of the rule (the message names the nearest), the rule is neither known nor
         a file, or the file does not hold unit vectors within 1e-12.
     """
     match rule:
@@ -69,9 +73,9 @@ def sphere_rule(M_sph: Size, rule: str | os.PathLike[str] = "design") -> Rule:
 
 
 def sphere_sizes(rule: str) -> tuple[int, ...]:
-    """Sizes M_sph that `sphere_rule` allows for a rule, increasing.
+    """Sizes M_sph that `sphere_rule` takes for a rule, increasing.
 
-    Empty for `gauss-theta-phi`, which takes any pair.
+    `gauss-theta-phi`, which takes any pair, has none.
 
     Raises
     ------
@@ -121,7 +125,7 @@ def _gauss_theta_phi(N_theta: int, N_phi: int) -> Rule:
 def _directions(
     z: NDArray[np.float64], s: NDArray[np.float64], phi: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """(s cos φ, s sin φ, z) for every z = cos θ, s = sin θ and every φ, latitude by latitude."""
+    """Points (s cos φ, s sin φ, z) for every pair z = cos θ, s = sin θ and every φ, latitude by latitude."""
     x, y = np.outer(s, np.cos(phi)), np.outer(s, np.sin(phi))
     return np.stack([x, y, np.broadcast_to(z[:, None], x.shape)], axis=-1).reshape(-1, 3)
 
@@ -132,7 +136,7 @@ def _from_file(M_sph: Size, path: str | os.PathLike[str]) -> Rule:
     if not Path(path).is_file():
         raise unknown_name("sphere_rule", os.fspath(path), (*SPHERE_RULES, "path of a text file"))
     try:
-        with warnings.catch_warnings(action="ignore"):  # an empty file is reported below
+        with warnings.catch_warnings(action="ignore"):  # of an empty file, which raises below
             points = np.loadtxt(path, ndmin=2)
     except ValueError as error:
         raise ValueError(f"{field}: not a table of numbers: {error}") from error
@@ -145,7 +149,7 @@ def _from_file(M_sph: Size, path: str | os.PathLike[str]) -> Rule:
 
 
 def _listed_size(M_sph: Size, rule: str) -> int:
-    """M_sph as an int if it is one of the rule's sizes, else an error with the nearest ones."""
+    """M_sph as an int. Raise ValueError, naming the nearest sizes, unless the rule has this size."""
     sizes = sphere_sizes(rule)
     if is_size(M_sph) and M_sph in sizes:
         return int(M_sph)
@@ -164,7 +168,7 @@ def _listed_size(M_sph: Size, rule: str) -> int:
 
 
 def _pair(M_sph: Size | Sequence[int]) -> tuple[int, int]:
-    """M_sph as the pair (N_theta, N_phi)."""
+    """M_sph as the pair (N_theta, N_phi). Raise ValueError unless it is one."""
     if isinstance(M_sph, (tuple, list)) and len(M_sph) == 2 and all(map(is_size, M_sph)):
         return int(M_sph[0]), int(M_sph[1])
     raise ValueError(

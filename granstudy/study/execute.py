@@ -6,39 +6,30 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import xarray as xr
 
-from granstudy.collision import collision_operator, concrete
-from granstudy.collision.fast.adaptive.retuning import Tuning
 from granstudy.datasets.netcdf import read_dataset, write_dataset
-from granstudy.datasets.run_dataset import Ending, Header, labelled, stamped
-from granstudy.evolution.simulate import simulate
-from granstudy.states.solve import FIND
+from granstudy.study.kinds import KINDS
 from granstudy.study.run import Run
 from granstudy.study.run_key import run_key
 from granstudy.support.files import write_whole
-from granstudy.trust.flags import Status
-from granstudy.velocity.space import VelocitySpace
 
 
 def execute(run: Run, threads: int) -> xr.Dataset:
-    """Run an ``evolution``, ``collision`` or ``state`` point with so many threads.
+    """Compute a run with so many threads.
 
     A run that ends early is a dataset too, with its status: nothing computed is lost.
+
+    Raises
+    ------
+    ValueError
+        For a benchmark's run: those are computed together (`granstudy.study.benchmark.benchmark`).
     """
-    solver = replace(run.solver, threads=threads)
-    if run.time is not None:
-        return simulate(run.scene, solver, **run.time_fields)
-    if run.model.state is not None:
-        return FIND[run.model.state](run.scene, solver)
-    choice = concrete(run.scene, solver)
-    operator = collision_operator(run.scene, choice.solver)
-    Q = operator(run.scene.density(operator.grid))
-    header = Header.of("collision", run.scene, choice)
-    return collision_dataset(header, operator.grid, Q, Tuning(operator).plans)
+    compute = KINDS[run.model.run].compute
+    if compute is None:
+        raise ValueError(f"run={run.model.run!r}: all runs of an experiment are computed together")
+    return compute(run, replace(run.solver, threads=threads))
 
 
 def execute_job(
@@ -90,15 +81,3 @@ def _holds(path: Path, key: str) -> bool:
         return bool(read_dataset(path).attrs.get("run_key") == key)
     except (OSError, ValueError):
         return False
-
-
-def collision_dataset(
-    header: Header, grid: VelocitySpace, Q: np.ndarray, plans: Sequence[dict[str, Any]] = ()
-) -> xr.Dataset:
-    """Dataset of one evaluation Q(f0,f0) on the initial density, shape ``grid.shape``."""
-    ds = xr.Dataset(
-        {"Q": labelled(Q, "collision operator Q(f0,f0)", grid.axes)}, coords=grid.coordinates()
-    )
-    finite = bool(np.all(np.isfinite(Q)))
-    ending = Ending() if finite else Ending(Status.DIVERGED, "Q is not finite")
-    return stamped(ds, header, ending, plans)

@@ -1,12 +1,13 @@
-"""Cheap runs of an experiment share a job: starting one costs seconds, whatever it computes."""
+"""Cheap runs of an experiment share a job: starting one takes seconds, whatever it computes."""
 
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import count
 from math import ceil
 
+from granstudy.study.estimates import estimate_run
 from granstudy.study.run import Run
-from granstudy.study.run_key import run_key
+from granstudy.study.run_key import run_keys
 
 JOB_SECONDS = 60.0
 """Runs are put together until their estimated time reaches this; a longer run is alone in its job."""
@@ -23,7 +24,7 @@ class Job:
     @cached_property
     def keys(self) -> list[str]:
         """`run_key` of every run."""
-        return [run_key(run) for run in self.runs]
+        return run_keys(self.runs)
 
     @property
     def threads(self) -> int:
@@ -33,7 +34,7 @@ class Job:
     @property
     def seconds(self) -> float:
         """Estimated time on one core."""
-        return sum(run.cost.seconds for run in self.runs)
+        return sum(_seconds(run) for run in self.runs)
 
     @property
     def minutes(self) -> int:
@@ -43,7 +44,7 @@ class Job:
     @property
     def memory_mb(self) -> int:
         """Estimated memory of its largest run."""
-        return max(run.cost.memory_mb for run in self.runs)
+        return max(estimate_run(run).cost.memory_mb for run in self.runs)
 
 
 def jobs(runs: list[Run]) -> list[Job]:
@@ -52,11 +53,16 @@ def jobs(runs: list[Run]) -> list[Job]:
     found: list[Job] = []
     waiting: list[Run] = []
     for run in [*runs, None]:
-        full = sum(other.cost.seconds for other in waiting) >= JOB_SECONDS
-        alone = run is None or run.cost.seconds >= JOB_SECONDS
+        full = sum(map(_seconds, waiting)) >= JOB_SECONDS
+        alone = run is None or _seconds(run) >= JOB_SECONDS
         if waiting and (full or alone):
             found.append(Job(waiting[0].experiment, next(numbers), tuple(waiting)))
             waiting = []
         if run is not None:
             waiting.append(run)
     return found
+
+
+def _seconds(run: Run) -> float:
+    """Estimated time of a run on one core."""
+    return estimate_run(run).cost.seconds

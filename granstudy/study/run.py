@@ -1,48 +1,38 @@
-"""One run of a study: its scene, solver and times, its canonical name, its cost."""
+"""One run of a study: its values, its canonical name, and the scene, solver and times that they come to."""
 
 import json
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from functools import cached_property
 from typing import Any
 from urllib.parse import quote
 
-from granstudy.collision.choice.cost import Cost, estimate
-from granstudy.collision.choice.methods import OPERATORS, check
-from granstudy.collision.operator import choose
-from granstudy.evolution.forecast import expected_evaluations
-from granstudy.evolution.times import TimeSettings, check_frame
+from granstudy.evolution.times import TimeSettings
 from granstudy.model.kernel import VHS
 from granstudy.model.methods import METHODS, PARTICLES
-from granstudy.model.restitution import Viscoelastic, check_restitution
+from granstudy.model.restitution import Viscoelastic
 from granstudy.model.scene import Scene, load_scene
-from granstudy.model.solver import Choice, Solver
-from granstudy.particles.cost import particle_cost
-from granstudy.particles.restitution_table import alpha_table
-from granstudy.states.solve import check_state, gaussian_scene, state_evaluations
-from granstudy.study.schema.experiment import Experiment, TimingModel
-from granstudy.study.schema.sections import (
-    SceneFields,
-    SolverModel,
-    TimeFields,
-    TimeModel,
-    TimesModel,
-    ViscoelasticModel,
+from granstudy.model.solver import Solver
+from granstudy.study.schema.experiment import (
+    BenchmarkExperiment,
+    CollisionExperiment,
+    EvolutionExperiment,
+    Experiment,
+    TimingModel,
 )
-from granstudy.trust.exact_law import check_maxwell_law
+from granstudy.study.schema.generated import Section
+from granstudy.study.schema.sections import SolverModel, TimeModel, TimesModel, ViscoelasticModel
 from granstudy.velocity.sphere import sphere_area
 
 SHARED_WITH_REFERENCE = ("e", "exponent", "epsilon", "N", "R", "N_rho")
-"""What a collision run's reference takes over from the run: all but the rule on the sphere."""
+"""What a run's reference takes over from the run: all but the rule on the sphere."""
 
 SHARED_WITH_TRUTH = ("e", "exponent", "epsilon")
 """What a run's truth takes over from it: what is modelled."""
 
-DENSITY_FIELDS = ("temperature", "velocity", "separation", "tail")
-"""What a study file can set of a named scene's initial density."""
-
-STAND_IN = {2: (64, 8.0), 3: (32, 8.0)}
-"""N and R of estimates where a tolerance chooses them when the run starts."""
+NOT_SHARED = ("rtol", "precision", "device")
+"""Settings of an experiment's solver that its reference does not take over; it says its own."""
 
 NO_TIMES = {"dt": None, "save_every": None}
 """Fields of a run's times that its parameters name even where they are left out."""
@@ -50,14 +40,29 @@ NO_TIMES = {"dt": None, "save_every": None}
 
 @dataclass(frozen=True)
 class Run:
-    """One run of a study: its experiment and the values of its swept parameters."""
+    """One run of a study: its experiment and the values of its swept parameters.
+
+    Attributes
+    ----------
+    experiment : str
+        The experiment's name.
+    model : Experiment
+        What the study file says of it.
+    values : tuple of (str, value)
+        The swept parameters, in the order of `granstudy.datasets.parameters.SWEPT`.
+    is_reference : bool
+        Whether other runs are measured against this one.
+    """
 
     experiment: str
     model: Experiment
     values: tuple[tuple[str, Any], ...]
     is_reference: bool = False
 
-    @property
+    def __hash__(self) -> int:
+        return hash((self.experiment, self.path))
+
+    @cached_property
     def path(self) -> str:
         """Canonical name of the point, ``e~0.2/N~16/variant~full``; ``reference/..`` of one."""
         parts = [f"{key}~{canonical(value)}" for key, value in self.values]
@@ -67,101 +72,102 @@ class Run:
     def reference(self) -> "Run":
         """The run that this run's error is measured against.
 
-        A benchmark's `radial` runs, whose nodes no Cartesian run has, get one with more nodes.
+        Runs on a radial grid, whose nodes no Cartesian run has, get one of their own method with more nodes.
         """
-        if self.model.run == "benchmark" and self.solver.method == "radial":
-            finer = dict(self.values) | {"N": self.timing.radial_nodes, "method": "radial"}
-            return replace(self, values=tuple(finer.items()), is_reference=True)
-        assert self.model.reference is not None
-        fixed = self.model.reference.model_fields_set
-        shared = tuple(
-            (key, value)
-            for key, value in self.values
-            if key in SHARED_WITH_REFERENCE and key not in fixed
-        )
-        return replace(self, values=shared, is_reference=True)
+        if isinstance(self.model, BenchmarkExperiment) and self.solver.traits.radial:
+            finer = {"N": self.timing.radial_nodes, "method": self.solver.method}
+            values = dict(self.values) | finer
+            return replace(self, values=tuple(values.items()), is_reference=True)
+        assert self._reference_model is not None
+        fixed = self._reference_model.model_fields_set
+        shared = self._values_of(key for key in SHARED_WITH_REFERENCE if key not in fixed)
+        return replace(self, values=tuple(shared.items()), is_reference=True)
+
+    @property
+    def has_reference(self) -> bool:
+        """Whether its error is measured against the run of another solver."""
+        return self._reference_model is not None
+
+    @property
+    def _reference_model(self) -> SolverModel | None:
+        """What the study file says of the solver that errors are measured against."""
+        if isinstance(self.model, CollisionExperiment | BenchmarkExperiment):
+            return self.model.reference
+        return None
 
     @cached_property
     def truth(self) -> "Run":
         """The run that this evolution's T and a2 are held against; all runs of one gas share it."""
-        truth = self.model.truth
-        assert truth is not None and truth.solver is not None and self.model.time is not None
-        scene = self.model.scene.model_copy(update=_set(truth.scene))
-        time = self.model.time
+        model = self.model
+        assert isinstance(model, EvolutionExperiment) and model.truth is not None
+        truth, time = model.truth, model.time
         if truth.time.dt is not None or truth.time.time_rtol is not None:
             time = time.model_copy(update={"dt": None, "time_rtol": None})
-        time = time.model_copy(update=_set(truth.time))
-        model = self.model.model_copy(
-            update={"scene": scene, "solver": truth.solver, "time": time, "truth": None}
-        )
-        shared = tuple((key, value) for key, value in self.values if key in SHARED_WITH_TRUTH)
-        return Run(self.experiment, model, shared, is_reference=True)
+        update = {
+            "scene": model.scene.model_copy(update=_set(truth.scene)),
+            "solver": truth.solver,
+            "time": time.model_copy(update=_set(truth.time)),
+            "truth": None,
+        }
+        shared = tuple(self._values_of(SHARED_WITH_TRUTH).items())
+        return Run(self.experiment, model.model_copy(update=update), shared, is_reference=True)
 
     @property
     def measured_against(self) -> "list[Run]":
         """The runs that the study computes for this one's errors."""
-        if self.model.run == "collision":
+        model = self.model
+        if isinstance(model, CollisionExperiment):
             return [self.reference]
-        truth = self.model.truth
-        return [] if truth is None or truth.solver is None else [self.truth]
+        by_run = isinstance(model, EvolutionExperiment) and model.truth and model.truth.solver
+        return [self.truth] if by_run else []
 
     @property
     def timing(self) -> TimingModel:
         """How a benchmark times the run."""
-        return self.model.timing or TimingModel()
+        assert isinstance(self.model, BenchmarkExperiment)
+        return self.model.timing
 
     def has(self, values: dict[str, Any]) -> bool:
         """Whether the run has these values of parameters, swept or not."""
         own = self.solver.describe() | dict(self.values)
         return all(own.get(key) == value for key, value in values.items())
 
-    def _value(self, key: str, default: Any) -> Any:
-        return dict(self.values).get(key, default)
+    def _values_of(self, keys: Iterable[str]) -> dict[str, Any]:
+        """The swept values of these parameters, in the order of the run's own."""
+        wanted = set(keys)
+        return {key: value for key, value in self.values if key in wanted}
 
     @cached_property
     def scene(self) -> Scene:
         """The scene with this run's swept values."""
-        model = self.model.scene
-        base = load_scene(
-            model.name,
-            **{key: value for key in DENSITY_FIELDS if (value := getattr(model, key)) is not None},
-        )
-        exponent = self._value("exponent", model.exponent)
+        model, swept = self.model.scene, dict(self.values)
+        base = load_scene(model.name, **model.density)
+        exponent = swept.get("exponent", model.exponent)
         strength = 1.0 / sphere_area(base.dim) if model.strength is None else model.strength
-        restitution: Any = self._value("e", model.restitution)
-        if restitution is None:
-            raise ValueError("e: set scene.restitution or sweep e")
-        if isinstance(restitution, ViscoelasticModel):
-            restitution = Viscoelastic(restitution.viscoelastic)
-        epsilon = self._value("epsilon", model.epsilon)
+        epsilon = swept.get("epsilon", model.epsilon)
         return Scene(
             dim=base.dim,
             initial=base.initial,
             kernel=VHS(0.0 if exponent is None else exponent, strength),
-            restitution=restitution,
+            restitution=_restitution(swept.get("e", model.restitution)),
             diffusion=base.diffusion if epsilon is None else epsilon,
-            symmetry=self._value("symmetry", model.symmetry),
+            symmetry=swept.get("symmetry", model.symmetry),
         )
 
     @cached_property
     def solver(self) -> Solver:
         """The solver with this run's swept values."""
-        settings = self.model.solver.model_dump(exclude_none=True)
-        fields = set(SolverModel.model_fields)
-        swept = {key: value for key, value in self.values if key in fields}
-        settings |= swept
-        if settings.get("method") != "dsmc":
-            # So that an experiment can sweep over methods, one of them `dsmc`.
-            for field in PARTICLES - swept.keys():
-                settings.pop(field, None)
-        reference = self.model.reference
-        if self.is_reference and reference is not None and self._value("method", None) != "radial":
-            for own in ("rtol", "precision", "device"):  # of the run's; a reference says its own
-                settings.pop(own, None)
-            settings |= reference.model_dump(exclude_unset=True)
-        chosen = "rtol" in settings and "rtol" in METHODS[settings.get("method", "fast")].takes
+        swept = self._values_of(SolverModel.model_fields)
+        settings = self.model.solver.model_dump(exclude_none=True) | swept
+        if not _takes(settings, "particles"):
+            # So that an experiment can sweep over methods, one of them by particles.
+            settings = _without(settings, PARTICLES - swept.keys())
+        reference = self._reference_model
+        if self.is_reference and reference is not None and "method" not in swept:
+            settings = _without(settings, NOT_SHARED) | reference.model_dump(exclude_unset=True)
+        may_be_open = "rtol" in settings and _takes(settings, "rtol")
         for needed in ("N", "R"):
-            if needed not in settings and not chosen:
+            if needed not in settings and not may_be_open:
                 raise ValueError(f"{needed}: set solver.{needed} or sweep {needed}")
         if isinstance(settings.get("M_sph"), list):
             settings["M_sph"] = tuple(settings["M_sph"])
@@ -169,11 +175,10 @@ class Run:
 
     @property
     def time_fields(self) -> dict[str, Any]:
-        """How the run goes through time, as `granstudy.simulate` takes it; what is left out stays out."""
+        """How an evolution goes through time, as `granstudy.simulate` takes it; unset fields stay out."""
+        assert isinstance(self.model, EvolutionExperiment)
         model = self.model.time
-        assert model is not None
-        fields = model.model_dump(exclude_none=True)
-        fields |= {key: value for key, value in self.values if key in TimeModel.model_fields}
+        fields = model.model_dump(exclude_none=True) | self._values_of(TimeModel.model_fields)
         if "dt" not in fields and "time_rtol" not in fields:
             raise ValueError("dt: set time.dt or sweep dt, or set or sweep time_rtol")
         if isinstance(model.times, TimesModel):
@@ -184,108 +189,45 @@ class Run:
 
     @cached_property
     def time(self) -> TimeSettings | None:
-        """The same, checked; None where nothing evolves."""
-        return None if self.model.time is None else TimeSettings(**self.time_fields)
+        """How the run goes through time, checked; None where nothing evolves."""
+        return TimeSettings(**self.time_fields) if self._evolves else None
 
     @property
-    def evaluations(self) -> int:
-        """Evaluations of Q that the run makes, about as many where the steps adapt (none by `dsmc`)."""
-        if self.model.state is not None:
-            return state_evaluations(self.choice.solver)
-        return 1 if self.time is None else expected_evaluations(self.scene, self.time)
-
-    @property
-    def planned_scene(self) -> Scene:
-        """The scene that Q is planned for: of a state a gas at rest, as isotropic as the state is."""
-        return self.scene if self.model.state is None else gaussian_scene(self.scene)
-
-    @cached_property
-    def choice(self) -> Choice:
-        """What the solver leaves open, as it will be chosen; N and R are stand-ins where they are open.
-
-        Choosing those takes too long before a workflow starts.
-        """
-        solver = self.solver
-        if solver.N is None:
-            N, R = STAND_IN[self.scene.dim]
-            solver = replace(solver, N=N, R=R)
-        return replace(choose(self.planned_scene, solver), asked=self.solver)
-
-    @cached_property
-    def cost(self) -> Cost:
-        """Estimated seconds and memory of the run."""
-        if self.solver.method == "dsmc":
-            assert self.time is not None
-            records = len(self.time.recorded)
-            return particle_cost(self.scene, self.solver, self.time.t_final, records)[0]
-        return estimate(
-            OPERATORS[self.choice.solver.method].cost,
-            self.planned_scene,
-            self.choice.solver,
-            self.evaluations,
-        )
-
-    def check(self) -> None:
-        """Raise ValueError for anything that would stop the run later."""
-        if self.solver.N is None and self.model.run == "benchmark":
-            raise ValueError("N=None: benchmark runs need N and R")
-        if self.model.state is not None:
-            check_state(self.scene, self.solver, heated=self.model.state == "heated")
-        _ = self.evaluations  # t_final must be a whole number of steps
-        self._check_truth()
-        if self.solver.method == "dsmc":
-            self._check_particles()
-            return
-        solver = self.choice.solver
-        check_restitution(self.scene.restitution, solver.R)
-        radial = solver.traits.radial
-        asked = self.solver.method == solver.method
-        check(self.scene if asked else self.planned_scene, solver)
-        if self.model.reference is not None and not self.is_reference:
-            self.reference.check()
-        if self.model.run == "collision" and not self.is_reference:
-            other = self.reference.choice.solver.method
-            if radial != METHODS[other].radial:
-                raise ValueError(
-                    f"method {solver.method!r}: has other velocity nodes than its reference's "
-                    f"method {other!r}; a collision run and its reference must share them"
-                )
-        if self.time is not None:
-            check_frame(self.scene, solver, self.time)
-
-    def _check_truth(self) -> None:
-        truth = self.model.truth
-        if truth is None or self.is_reference:
-            return
-        if truth.solver is not None:
-            try:
-                self.truth.check()
-            except ValueError as error:
-                raise ValueError(f"truth: {error}") from None
-        else:
-            check_maxwell_law(self.scene)
-
-    def _check_particles(self) -> None:
-        if self.model.run != "evolution":
-            raise ValueError(
-                f"method='dsmc': has no collision operator for {self.model.run} runs, only evolution runs"
-            )
-        alpha_table(self.scene.restitution, self.solver.R)
+    def _evolves(self) -> bool:
+        return isinstance(self.model, EvolutionExperiment)
 
     def parameters(self) -> str:
         """All that the run depends on, as canonical JSON."""
         return json.dumps(
             {
-                "run": " ".join(filter(None, (self.model.state, self.model.run))),
+                "run": self.model.computes,
                 "scene": self.scene.describe(),
                 "solver": self.solver.describe(),
-                "time": None if self.model.time is None else {**NO_TIMES, **self.time_fields},
+                "time": {**NO_TIMES, **self.time_fields} if self._evolves else None,
             },
             sort_keys=True,
         )
 
 
-def _set(model: SceneFields | TimeFields) -> dict[str, Any]:
+def _restitution(value: Any) -> Any:
+    """A scene's restitution out of a study file's."""
+    if value is None:
+        raise ValueError("e: set scene.restitution or sweep e")
+    return Viscoelastic(value.viscoelastic) if isinstance(value, ViscoelasticModel) else value
+
+
+def _takes(settings: dict[str, Any], field: str) -> bool:
+    """Whether the method of these settings takes a field that only some methods take."""
+    method = METHODS.get(settings.get("method", Solver.method))
+    return method is not None and field in method.takes
+
+
+def _without(settings: dict[str, Any], names: Iterable[str]) -> dict[str, Any]:
+    left_out = set(names)
+    return {name: value for name, value in settings.items() if name not in left_out}
+
+
+def _set(model: Section) -> dict[str, Any]:
     """The fields that a study file sets."""
     return {name: getattr(model, name) for name in model.model_fields_set}
 

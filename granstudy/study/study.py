@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from granstudy.datasets.parameters import SWEPT
+from granstudy.datasets.parameters import PARAMETERS, SWEPT
+from granstudy.study.checks import check_run
 from granstudy.study.run import Run
-from granstudy.study.schema.experiment import Experiment
+from granstudy.study.schema.experiment import BenchmarkExperiment, Experiment, TimingModel
 from granstudy.study.schema.file import StudyFile, read_study_file
 from granstudy.support.errors import unknown_name
 
@@ -41,36 +42,43 @@ def load_study(path: str | Path) -> Study:
     model = read_study_file(path)
     runs: dict[str, dict[str, Run]] = {}
     for name, experiment in model.experiments.items():
-        runs[name] = {}
-        for run in _expand(name, experiment):
-            try:
-                run.check()
-            except ValueError as error:
-                where = f"experiments.{name}, run {run.path}"
-                raise ValueError(f"{path}: {where}: {error}") from None
-            runs[name][run.path] = run
         try:
-            _check_baseline(list(runs[name].values()))
+            runs[name] = _checked_runs(name, experiment)
+            _check_beside(name, experiment, list(model.experiments))
         except ValueError as error:
-            raise ValueError(f"{path}: experiments.{name}.{error}") from None
-        for part in ("figure", "table"):
-            asked = getattr(experiment, part)
-            for other in asked.beside if asked else ():
-                if other not in model.experiments:
-                    known = list(model.experiments)
-                    raise ValueError(
-                        f"{path}: experiments.{name}.{part}.beside: "
-                        f"{unknown_name('experiment', other, known)}"
-                    )
+            raise ValueError(f"{path}: {error}") from None
     return Study(Path(path).stem, model, runs)
 
 
-def _check_baseline(runs: list[Run]) -> None:
+def _checked_runs(name: str, experiment: Experiment) -> dict[str, Run]:
+    """The runs of an experiment by path, references among them, each checked."""
+    runs: dict[str, Run] = {}
+    for run in _expand(name, experiment):
+        try:
+            check_run(run)
+        except ValueError as error:
+            raise ValueError(f"experiments.{name}, run {run.path}: {error}") from None
+        runs[run.path] = run
+    if isinstance(experiment, BenchmarkExperiment):
+        _check_baseline(name, experiment.timing, list(runs.values()))
+    return runs
+
+
+def _check_beside(name: str, experiment: Experiment, known: list[str]) -> None:
+    """Raise ValueError where a table or a figure shows an experiment that there is none of."""
+    for part, beside in (("figure", experiment.beside_figure), ("table", experiment.beside_table)):
+        for other in beside:
+            if other not in known:
+                unknown = unknown_name("experiment", other, known)
+                raise ValueError(f"experiments.{name}.{part}.beside: {unknown}")
+
+
+def _check_baseline(name: str, timing: TimingModel, runs: list[Run]) -> None:
     """Raise ValueError unless the baseline of a benchmark's speedups is one of its runs."""
-    baseline = runs[0].timing.baseline
+    baseline = timing.baseline
     if baseline is not None and (count := sum(run.has(baseline) for run in runs)) != 1:
         raise ValueError(
-            f"timing.baseline: {baseline} are the values of {count} runs, must be of one"
+            f"experiments.{name}.timing.baseline: {baseline} are the values of {count} runs, must be of one"
         )
 
 
@@ -89,5 +97,5 @@ def _expand(name: str, experiment: Experiment) -> list[Run]:
 def _as_list(key: str, value: Any) -> list[Any]:
     """The values of one sweep entry; whole numbers of real parameters become real."""
     values = value if isinstance(value, list) else [value]
-    real = key in ("e", "exponent", "epsilon", "R", "rtol", "time_rtol", "dt")
+    real = PARAMETERS[key].real
     return [float(v) if real and type(v) is int else v for v in values]

@@ -1,1 +1,1 @@
-"""What every room stands on: checks, errors, files, the cache on disk, the fingerprint of code."""
+"""Checks, errors, whole files, a cache on disk and the fingerprint of code, for all other packages."""

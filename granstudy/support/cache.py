@@ -1,9 +1,8 @@
-"""Arrays kept on disk under a name that says all they depend on."""
+"""Computed arrays kept on disk, under names that say everything they depend on."""
 
 import hashlib
 import io
 import os
-import sys
 import time
 import warnings
 from collections.abc import Callable
@@ -11,6 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
+from platformdirs import user_cache_path
 
 from granstudy.support.files import TEMPORARY_PREFIX, write_whole
 
@@ -18,31 +18,25 @@ VARIABLE = "GRANSTUDY_CACHE"
 """Environment variable that names another cache folder."""
 
 DIGEST_BYTES = hashlib.sha256().digest_size
+"""Bytes of the checksum at the head of a file."""
 
 ABANDONED = 86400.0
-"""Seconds after which a file that was never finished has nobody writing to it; one takes seconds."""
+"""Age in seconds from which an unfinished file counts as abandoned. Writing one takes seconds."""
 
 
 def cache_folder() -> Path:
-    """``$GRANSTUDY_CACHE``, or granstudy's folder in the platform's user cache."""
-    if named := os.environ.get(VARIABLE):
-        return Path(named)
-    if sys.platform == "darwin":
-        base = Path.home() / "Library" / "Caches"
-    elif sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
-    else:
-        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return base / "granstudy"
+    """``$GRANSTUDY_CACHE``, or granstudy's folder in the platform's user cache (platformdirs)."""
+    named = os.environ.get(VARIABLE)
+    return Path(named) if named else user_cache_path("granstudy", appauthor=False)
 
 
 def cached_array(name: str, compute: Callable[[], np.ndarray]) -> np.ndarray:
-    """The array kept under ``name``, or a computed one, which is then kept.
+    """The array kept under ``name``. If there is none, it is computed and kept.
 
-    Safe with concurrent runs: a file appears whole or not at all, and two that compute the same array
-    replace each other's file by an equal one. A file that does not match its checksum is computed
-    anew. Where the folder cannot be written to, a warning says so. What killed processes left half
-    written is removed a day later, with the next array that is kept.
+    Concurrent runs are safe: a file appears whole or not at all, and two runs that compute the same array
+    replace each other's file by an equal one. An array whose file does not match its checksum is computed
+    anew. Where the folder cannot be written to, a warning says so. Unfinished files of killed processes are
+    removed after a day, when the next array is kept.
     """
     path = cache_folder() / f"{name}.npy.sha256"
     array = _read(path)
@@ -61,7 +55,7 @@ def cached_array(name: str, compute: Callable[[], np.ndarray]) -> np.ndarray:
 
 
 def _remove_abandoned(folder: Path) -> None:
-    """Remove unfinished files that nobody has written to for `ABANDONED`; others may be doing the same."""
+    """Remove unfinished files of the age `ABANDONED`. Other processes may remove the same files."""
     for partial in folder.glob(f"{TEMPORARY_PREFIX}*"):
         with suppress(OSError):
             if time.time() - partial.stat().st_mtime > ABANDONED:
@@ -77,7 +71,7 @@ def _pack(array: np.ndarray) -> bytes:
 
 
 def _read(path: Path) -> np.ndarray | None:
-    """The array in a file, or None where there is no file or a damaged one."""
+    """The array in a file, or None if the file is missing or damaged."""
     try:
         content = path.read_bytes()
     except OSError:

@@ -1,22 +1,22 @@
-"""What the laws of this package ask of their arguments."""
+"""Checks of the arguments that several laws take."""
 
 import numpy as np
 
 
 def check_restitution(restitution: float | np.ndarray) -> None:
-    """Raise ValueError unless ``restitution`` is a number in [0, 1], or an array of such."""
+    """Raise ValueError unless ``restitution`` is a number in [0, 1], or an array of numbers in [0, 1]."""
     if callable(restitution) or not _within_unit_interval(restitution):
         raise ValueError(f"restitution={restitution!r}: must be a number between 0 and 1")
 
 
 def check_exponent(exponent: float) -> None:
-    """Raise ValueError unless ``exponent`` is a λ between Maxwell molecules and hard spheres."""
+    """Raise ValueError unless ``exponent`` is a λ in [0, 1], from Maxwell molecules to hard spheres."""
     if not _within_unit_interval(exponent):
         raise ValueError(f"exponent={exponent!r}: must lie between 0 and 1")
 
 
 def check_tensor(name: str, tensor: np.ndarray, order: int) -> np.ndarray:
-    """``tensor`` as an array; raise ValueError unless it is one of that order in 2D or 3D."""
+    """``tensor`` as an array. Raise ValueError unless it is a tensor of the order in 2D or 3D."""
     array = np.asarray(tensor, dtype=float)
     if array.shape not in {(2,) * order, (3,) * order}:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""Temperature of VHS gases: cooling rate of a given shape, Haff's law, the heated steady state."""
+"""Temperature of VHS gases: cooling rate of a density of given shape, Haff's law, heated steady state."""
 
 import numpy as np
 from scipy.special import gamma
@@ -9,13 +9,15 @@ from granstudy.velocity.space import check_dim
 from granstudy.velocity.sphere import sphere_area
 
 MAXWELL_COOLING = "exponent=0: Maxwell molecules cool exponentially; Haff's law needs λ > 0"
+"""Message of the error for λ = 0."""
 
 
 def gaussian_cooling_coefficient(kernel: VHS, restitution: float, dim: int) -> float:
     """K of dT/dt = −K T^{1+λ/2} for a Gaussian of unit density.
 
-    From dE/dt = −(1−e²)/16 · |S| C_λ ⟨|g|^{2+λ}⟩ (paper eq. 23, the mean of σ·ĝ being 0) with the relative
-    velocity of a Gaussian of temperature 2T: ⟨|g|^p⟩ = (2T)^{p/2} 2^{p/2} Γ((d+p)/2)/Γ(d/2).
+    The energy falls as dE/dt = −(1−e²)/16 · |S| C_λ ⟨|g|^{2+λ}⟩ (paper eq. 23; the mean of σ·ĝ is 0). The
+    relative velocities of a Gaussian are those of a Gaussian of temperature 2T, so that
+    ⟨|g|^p⟩ = (2T)^{p/2} 2^{p/2} Γ((d+p)/2)/Γ(d/2).
     """
     p = 2.0 + kernel.exponent
     moment = 2.0**p * gamma((dim + p) / 2) / gamma(dim / 2)
@@ -24,12 +26,13 @@ def gaussian_cooling_coefficient(kernel: VHS, restitution: float, dim: int) -> f
 
 
 def cooling_correction(exponent: float, a2: float, a3: float = 0.0) -> float:
-    """Cooling rate over a Gaussian's of the same temperature, for f = Gaussian × (1 + a2 S_2 + a3 S_3).
+    """Cooling rate of f = Gaussian × (1 + a2 S_2 + a3 S_3) over that of the Gaussian of the same temperature.
 
-    1 + λ(λ+2)/16 a2 − λ(λ+2)(λ−2)/192 a3, in first order of both, the same in 2D and 3D: g has the
-    coefficients a2/2 and a3/4, and ⟨|g|^p⟩ over a Gaussian's is 1 + binom(p/2, 2) a2/2 − binom(p/2, 3) a3/4
-    at p = 2+λ (docs/theory.md §3). Hard spheres: 1 + 3a2/16 + a3/64 (T. van Noije & M. Ernst, Granular Matter
-    1, 57 (1998); N. Brilliantov & T. Pöschel, Europhys. Lett. 74, 424 (2006)).
+    In first order of a2 and a3 the ratio is 1 + λ(λ+2)/16 a2 − λ(λ+2)(λ−2)/192 a3, in 2D and in 3D. The
+    relative velocity has the coefficients a2/2 and a3/4, and ⟨|g|^p⟩ over that of a Gaussian is
+    1 + binom(p/2, 2) a2/2 − binom(p/2, 3) a3/4 at p = 2+λ (docs/theory.md §3). For hard spheres the ratio
+    is 1 + 3a2/16 + a3/64 (T. van Noije & M. Ernst, Granular Matter 1, 57 (1998); N. Brilliantov & T.
+    Pöschel, Europhys. Lett. 74, 424 (2006)).
     """
     k = exponent * (exponent + 2.0)
     return 1.0 + k / 16.0 * a2 - k * (exponent - 2.0) / 192.0 * a3
@@ -45,13 +48,14 @@ def haff_constant(
 ) -> float:
     """C0 of Haff's law T = T0 (1 + C0 t)^{−2/λ} for a gas of fixed shape, ε = 0 and λ > 0.
 
-    C0 = (λ/2) ρK T0^{λ/2} with K of `gaussian_cooling_coefficient`; 0.3761 (1−e²) √T0 for B = |g|/(4π), times
-    the `cooling_correction` of the shape's kurtosis excess ``a2``.
+    C0 = (λ/2) ρK T0^{λ/2}. K is that of `gaussian_cooling_coefficient`, times the `cooling_correction` of
+    the shape's kurtosis excess ``a2``. For B = |g|/(4π), ρ = 1 and a Gaussian, C0 is
+    0.3761 (1−e²) √T0.
 
     Raises
     ------
     ValueError
-        For λ = 0, where cooling is exponential.
+        If λ = 0, where cooling is exponential.
     """
     lam = kernel.exponent
     if lam == 0.0:
@@ -63,14 +67,14 @@ def haff_constant(
 def haff_temperature(
     t: np.ndarray | float, T0: float, C0: float, exponent: float = 1.0
 ) -> np.ndarray:
-    """Haff's law T = T0 (1 + C0 t)^{−2/λ}, by default of hard spheres.
+    """Haff's law T = T0 (1 + C0 t)^{−2/λ}, by default for hard spheres.
 
-    It solves dT/dt = −(2/λ) C0 T0^{−λ/2} T^{1+λ/2} (P. Haff, J. Fluid Mech. 134, 401 (1983)).
+    The law solves dT/dt = −(2/λ) C0 T0^{−λ/2} T^{1+λ/2} (P. Haff, J. Fluid Mech. 134, 401 (1983)).
 
     Raises
     ------
     ValueError
-        For λ = 0, where cooling is exponential.
+        If λ = 0, where cooling is exponential.
     """
     if exponent == 0.0:
         raise ValueError(MAXWELL_COOLING)
@@ -87,18 +91,19 @@ def heated_temperature(
 ) -> float:
     """Steady temperature of a gas heated by diffusion: 2ε = ρK T^{1+λ/2}.
 
-    K is that of `gaussian_cooling_coefficient`, times the `cooling_correction` of the kurtosis excess ``a2``.
-    Exact for Maxwell molecules, 8ε/((1−e²)ρ|S|C); for others a Gaussian's, or in first order in a2.
+    K is that of `gaussian_cooling_coefficient`, times the `cooling_correction` of the kurtosis excess
+    ``a2``. For Maxwell molecules the temperature is exact, 8ε/((1−e²)ρ|S|C). For other kernels it is that
+    of a Gaussian, or to first order in a2.
 
     Raises
     ------
     ValueError
-        If ε ≤ 0 or e is not in [0, 1): no temperature is then steady; or the dimension is not 2 or 3.
+        If ε ≤ 0 or e is not in [0, 1), where no temperature is steady, or the dimension is not 2 or 3.
     """
     check_dim(dim)
     check_restitution(restitution)
     if restitution == 1.0:
-        raise ValueError("restitution=1.0: elastic collisions take no energy; it must be below 1")
+        raise ValueError("restitution=1.0: must be below 1, as elastic collisions take no energy")
     if not diffusion > 0.0:
         raise ValueError(f"diffusion={diffusion!r}: must be positive for a heated steady state")
     lam = kernel.exponent

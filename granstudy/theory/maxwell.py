@@ -1,6 +1,7 @@
 """Exact moment equations of Maxwell molecules, any density in 2D and 3D, heated or not.
 
-Central moments (u = 0 without loss, as momentum is conserved), ν = ρ|S|C_0, α = (1+e)/4 (docs/theory.md §1):
+The moments are central. Momentum is conserved, so that u = 0 may be assumed. With ν = ρ|S|C_0 and α = (1+e)/4
+(docs/theory.md §1):
 
     T' = −r_1 νT + 2ε                                                  r_1 = 2α(1−2α) = (1−e²)/4
     P_ij' = ν [−2α(1−α) P_ij + 2α²/d P_kk δ_ij] + 2ερ δ_ij             P_ij = ∫v_i v_j f dv
@@ -21,11 +22,11 @@ class MomentRates(NamedTuple):
     """Time derivatives of the central moments of a density."""
 
     pressure: np.ndarray
-    """of ∫v_i v_j f, shape (d, d)"""
+    """d/dt of ∫v_i v_j f, shape (d, d)"""
     third: np.ndarray
-    """of ∫v_i v_j v_k f, shape (d, d, d)"""
+    """d/dt of ∫v_i v_j v_k f, shape (d, d, d)"""
     fourth: float
-    """of ∫|v|⁴ f"""
+    """d/dt of ∫|v|⁴ f"""
 
 
 def maxwell_moment_rates(
@@ -37,7 +38,7 @@ def maxwell_moment_rates(
     diffusion: float = 0.0,
     cross_section: float = 1.0,
 ) -> MomentRates:
-    """Exact d/dt of the central moments up to fourth order; the equations at the head of this module.
+    """Exact time derivatives of the central moments up to fourth order (equations at the module's head).
 
     Parameters
     ----------
@@ -53,7 +54,7 @@ def maxwell_moment_rates(
     Raises
     ------
     ValueError
-        If e is not a number in [0, 1], or a tensor not of its order in 2D or 3D.
+        If e is not a number in [0, 1], or a tensor is not of its order in 2D or 3D.
     """
     P, M3 = check_tensor("pressure", pressure, 2), check_tensor("third", third, 3)
     check_restitution(restitution)
@@ -80,8 +81,8 @@ def maxwell_temperature(
 ) -> np.ndarray:
     """Exact temperature of Maxwell molecules, T = (T0 − T∞) e^{−rt} + T∞ with r = (1−e²)/4 · ρ|S|C.
 
-    From dT/dt = 2ε − (1−e²)/4 · ρ|S|C · T (paper eqs. 24 to 28; docs/method.md §4), in any dimension and
-    for any density; T∞ = 2ε/r is 8ε/(1−e²) at ρ = |S|C = 1. At e = 1, T = T0 + 2εt.
+    T solves dT/dt = 2ε − (1−e²)/4 · ρ|S|C · T (paper eqs. 24 to 28; docs/method.md §4), in any dimension
+    and for any density. T∞ = 2ε/r is 8ε/(1−e²) at ρ = |S|C = 1. At e = 1 the temperature is T0 + 2εt.
 
     Parameters
     ----------
@@ -92,7 +93,7 @@ def maxwell_temperature(
     t = np.asarray(t, dtype=float)
     if rate == 0.0:
         return T0 + 2.0 * diffusion * t
-    # T∞ (1 − e^{−rt}) in a form that holds as r → 0, where T∞ is beyond all bounds.
+    # T∞ (1 − e^{−rt}) in a form that holds for r → 0, where T∞ grows without bound.
     return T0 * np.exp(-rate * t) - 2.0 * diffusion * np.expm1(-rate * t) / rate
 
 
@@ -101,8 +102,9 @@ def maxwell_anisotropy_rate(
 ) -> float:
     """Exact decay rate 2α(1−α)·ρ|S|C of the traceless pressure tensor of Maxwell molecules, 2D and 3D.
 
-    With v' = w + α|g|σ, w = (1−α)v + αv*, the mean over σ of v'v' is ww and a multiple of the unit
-    tensor, and of ww the cross terms integrate to 0: (1−α)² + α² − 1 = −2α(1−α) (docs/theory.md §1).
+    Write v' = w + α|g|σ with w = (1−α)v + αv*. The mean over σ of v'v' is ww plus a multiple of the unit
+    tensor. The cross terms of ww integrate to 0, so that (1−α)² + α² − 1 = −2α(1−α) remains
+    (docs/theory.md §1).
     """
     check_dim(dim)
     a = (1.0 + restitution) / 4.0
@@ -117,14 +119,14 @@ def maxwell_pressure(
     density: float = 1.0,
     cross_section: float = 1.0,
 ) -> np.ndarray:
-    """Exact pressure tensor at the times t, shape t.shape + (d, d), from the one at t = 0.
+    """Exact pressure tensor at the times t, shape t.shape + (d, d), from the pressure tensor at t = 0.
 
-    P_ij = ρT δ_ij + D_ij: T by `maxwell_temperature`, D_ij decays at `maxwell_anisotropy_rate`.
+    P_ij = ρT δ_ij + D_ij. T follows `maxwell_temperature`, D_ij decays at `maxwell_anisotropy_rate`.
 
     Raises
     ------
     ValueError
-        If e is not a number in [0, 1], or a tensor not of its order in 2D or 3D.
+        If e is not a number in [0, 1], or a tensor is not of its order in 2D or 3D.
     """
     T0, D0 = _split(pressure, density)
     check_restitution(restitution)
@@ -141,15 +143,17 @@ def maxwell_third_moments(
     density: float = 1.0,
     cross_section: float = 1.0,
 ) -> np.ndarray:
-    """Exact ∫v_i v_j v_k f about u at the times t, shape t.shape + (d, d, d); heating does not enter.
+    """Exact ∫v_i v_j v_k f about u at the times t, shape t.shape + (d, d, d), with or without heating.
 
-    The part (s_i δ_jk + s_j δ_ik + s_k δ_ij)/(d+2) of s_i = M_ikk, twice the heat flux, decays at
-    ν[3α(1−α) − α²(d+2)/d], the traceless rest at ν·3α(1−α).
+    s_i = M_ikk is twice the heat flux. Two parts of M_ijk decay at rates of their own:
+
+        (s_i δ_jk + s_j δ_ik + s_k δ_ij)/(d+2)      ν[3α(1−α) − α²(d+2)/d]
+        the rest, which is traceless                ν·3α(1−α)
 
     Raises
     ------
     ValueError
-        If e is not a number in [0, 1], or a tensor not of its order in 2D or 3D.
+        If e is not a number in [0, 1], or a tensor is not of its order in 2D or 3D.
     """
     M3 = check_tensor("third", third, 3)
     check_restitution(restitution)
@@ -176,8 +180,8 @@ def maxwell_a2(
 
         a2' = ν [2⟨ab⟩ + c_2 Δ_ij Δ_ij/(d(d+2)) − (r_2 − 2r_1)(1 + a2)] − 4ε/T a2.
 
-    T and Δ are known in closed form. The last equation, linear in a2, is integrated to 1e-11; in the
-    quotient it keeps its accuracy however far T has fallen.
+    T and Δ are known in closed form. The equation, linear in a2, is integrated to 1e-11. As an equation for
+    the quotient it keeps its accuracy however far T has fallen.
 
     Parameters
     ----------
@@ -191,18 +195,18 @@ def maxwell_a2(
     Raises
     ------
     ValueError
-        If t is not as stated, e not a number in [0, 1], the temperature not positive, or so small at the
-        last time that it underflows.
+        If t is not as stated, e is not a number in [0, 1], or the temperature is not positive, or
+        underflows by the last time.
     """
     times = np.asarray(t, dtype=float)
     if times.ndim != 1 or times.size == 0 or times[0] < 0.0 or np.any(np.diff(times) <= 0.0):
         raise ValueError(f"t={t!r}: must be times from 0 on, one or more, increasing")
     T0, D0 = _split(pressure, density)
     if not T0 > 0.0:
-        raise ValueError(f"pressure: its temperature {T0!r} must be positive")
+        raise ValueError(f"pressure: temperature {T0!r} must be positive")
     check_restitution(restitution)
     if maxwell_temperature(times[-1], T0, restitution, diffusion, density, cross_section) == 0.0:
-        raise ValueError(f"t={t!r}: by then the temperature is below the smallest number there is")
+        raise ValueError(f"t={t!r}: the last temperature is below the smallest number there is")
     d, nu = len(D0), density * cross_section
     r1 = (1.0 - restitution**2) / 4.0
     r2, c1, c2 = _fourth_coefficients(restitution, d)
@@ -224,7 +228,7 @@ def maxwell_a2(
 
 
 def _fourth_coefficients(restitution: float, dim: int) -> tuple[float, float, float]:
-    """r_2, c_1, c_2 of M's equation: from the mean of |v'|⁴ over σ (docs/theory.md §1)."""
+    """r_2, c_1, c_2 of the equation of M, from the mean of |v'|⁴ over σ (docs/theory.md §1)."""
     alpha = (1.0 + restitution) / 4.0
     product, squares = alpha * (1 - alpha), alpha**2 + (1 - alpha) ** 2
     kappa = 2 * (dim + 2) / dim * alpha**2

@@ -1,12 +1,12 @@
 """Exact moments and tail of the states that Maxwell molecules approach: cooling, and heated.
 
-Of an isotropic density f̂(k) = ∫e^{−ik·v} f dv is a function of x = |k|²/2. With ν = ρ|S|C_0, ρ = 1,
-α = (1+e)/4 and y = (1−μ)/2, μ the cosine of the angle of σ and k (A. Bobylev, Sov. Sci. Rev. C 7, 111 (1988);
-M. Ernst & R. Brito, J. Stat. Phys. 109, 407 (2002); docs/theory.md §2),
+The Fourier transform f̂(k) = ∫e^{−ik·v} f dv of an isotropic density is a function of x = |k|²/2. Let
+ν = ρ|S|C_0, ρ = 1, α = (1+e)/4 and y = (1−μ)/2, μ the cosine of the angle of σ and k. Then (A. Bobylev,
+Sov. Sci. Rev. C 7, 111 (1988); M. Ernst & R. Brito, J. Stat. Phys. 109, 407 (2002); docs/theory.md §2)
 
     ∂t f̂(x) + 2εx f̂ = ν [⟨f̂(ax) f̂(bx)⟩ − f̂(x)],    a = 1 − 4α(1−α)y,  b = 4α²y.
 
-So the moments in f̂ = Σ_n (−x)^n μ_n/n!, which are ⟨|v|^{2n}⟩ over their value for a Gaussian of T = 1, obey
+The moments μ_n of f̂ = Σ_n (−x)^n μ_n/n! are ⟨|v|^{2n}⟩ over their values for a Gaussian of T = 1. They obey
 
     μ_n' = ν [G_n − r_n μ_n] + 2nε μ_{n−1},
     G_n = Σ_{j=1}^{n−1} binom(n,j) ⟨a^j b^{n−j}⟩ μ_j μ_{n−j},    r_n = 1 − ⟨a^n⟩ − ⟨b^n⟩,
@@ -25,16 +25,16 @@ from granstudy.velocity.space import check_dim
 
 
 def maxwell_cooling_moments(order: int, restitution: float, dim: int) -> np.ndarray:
-    """μ_n/T^n, n = 0..order, of the cooling state (ε = 0); inf from the first that diverges on.
+    """μ_n/T^n, n = 0..order, of the cooling state (ε = 0); inf from the first moment on that diverges.
 
-    With μ_n ~ T^n the equation of μ_n leaves (r_n − n r_1) μ_n = G_n. Where r_n ≤ n r_1, μ_n/T^n grows for
-    ever: 2n is then at least the exponent of `maxwell_tail_exponent`. At n = 2 it is never so: a2 is
-    finite for every e.
+    With μ_n ~ T^n the equation of μ_n becomes (r_n − n r_1) μ_n = G_n. Where r_n ≤ n r_1, μ_n/T^n grows
+    without bound, and 2n is at least the exponent of `maxwell_tail_exponent`. The moment n = 2 never
+    diverges: a2 is finite for every e.
 
     Raises
     ------
     ValueError
-        If e is not a number in [0, 1], the dimension not 2 or 3, or the order below 1.
+        If e is not a number in [0, 1], the dimension is not 2 or 3, or the order is below 1.
     """
     moments = _first_moments(order, restitution, dim)
     r1 = (1.0 - restitution**2) / 4.0
@@ -48,14 +48,15 @@ def maxwell_cooling_moments(order: int, restitution: float, dim: int) -> np.ndar
 
 
 def maxwell_heated_moments(order: int, restitution: float, dim: int) -> np.ndarray:
-    """μ_n/T^n, n = 0..order, of the steady state with heating, 2ε = r_1 νT; all are finite.
+    """μ_n/T^n, n = 0..order, of the steady state with heating, 2ε = r_1 νT. All moments are finite.
 
-    r_n μ_n = G_n + n r_1 μ_{n−1}. At e = 1 no state is steady; the moments are those of e → 1, a Gaussian's.
+    They solve r_n μ_n = G_n + n r_1 μ_{n−1}. At e = 1 no state is steady, and the moments are those of the
+    limit e → 1, a Gaussian.
 
     Raises
     ------
     ValueError
-        If e is not a number in [0, 1], the dimension not 2 or 3, or the order below 1.
+        If e is not a number in [0, 1], the dimension is not 2 or 3, or the order is below 1.
     """
     moments = _first_moments(order, restitution, dim)
     r1 = (1.0 - restitution**2) / 4.0
@@ -72,21 +73,21 @@ def sonine_coefficients(moments: np.ndarray) -> tuple[float, float]:
 
 
 def maxwell_tail_exponent(restitution: float, dim: int) -> float:
-    """Exponent p of the cooling state's tail, f ~ |v|^{−d−p}: ⟨|v|^q⟩ is finite for q < p only.
+    """Exponent p of the cooling state's tail f ~ |v|^{−d−p}: ⟨|v|^q⟩ is finite for q < p alone.
 
-    A term x^s of f̂(xT(t)), s not an integer, makes the tail |v|^{−d−2s} (P. Krapivsky & E. Ben-Naim,
-    J. Phys. A 35, L147 (2002); M. Ernst & R. Brito, Europhys. Lett. 58, 182 (2002)). f̂'s equation to first
-    order in that term, its factors taken at x = 0, gives
+    A term x^s of f̂(xT(t)), s not an integer, makes the tail |v|^{−d−2s} (P. Krapivsky & E. Ben-Naim, J.
+    Phys. A 35, L147 (2002); M. Ernst & R. Brito, Europhys. Lett. 58, 182 (2002)). The equation of f̂, to
+    first order in this term and with other factors at x = 0, gives
 
         r_s = 1 − ⟨a^s⟩ − ⟨b^s⟩ = s r_1,    p = 2s,    s > 1.
 
-    r_s − s r_1 is concave in s, 0 at s = 1, positive at 2, negative at 1/r_1: one root, between these.
-    At e = 1 there is no such tail: inf.
+    r_s − s r_1 is concave in s: 0 at s = 1, positive at 2, negative at 1/r_1. One root lies between 2 and
+    1/r_1. At e = 1 the tail is no power, and p is inf.
 
     Raises
     ------
     ValueError
-        If e is not a number in [0, 1], or the dimension not 2 or 3.
+        If e is not a number in [0, 1], or the dimension is not 2 or 3.
     """
     check_dim(dim)
     check_restitution(restitution)
@@ -100,7 +101,7 @@ def maxwell_tail_exponent(restitution: float, dim: int) -> float:
 def decay_rate(s: float, restitution: float, dim: int) -> float:
     """r_s = 1 − ⟨a^s⟩ − ⟨b^s⟩ for real s > 0.
 
-    y has the Beta(δ, δ) distribution on (0, 1), δ = (d−1)/2: ⟨y^s⟩ = (δ)_s/(2δ)_s, and with z = 4α(1−α)
+    y has the Beta(δ, δ) distribution on (0, 1), δ = (d−1)/2. With z = 4α(1−α), ⟨y^s⟩ = (δ)_s/(2δ)_s and
     ⟨(1 − zy)^s⟩ = ₂F₁(−s, δ; 2δ; z).
     """
     alpha, delta = (1.0 + restitution) / 4.0, (dim - 1) / 2
@@ -110,7 +111,7 @@ def decay_rate(s: float, restitution: float, dim: int) -> float:
 
 
 def _first_moments(order: int, restitution: float, dim: int) -> np.ndarray:
-    """Room for the moments: μ_0 = 1 and μ_1/T = 1 are right."""
+    """An array for the moments, in which μ_0 = 1 and μ_1/T = 1 are already right."""
     check_dim(dim)
     check_restitution(restitution)
     if order < 1:
@@ -121,7 +122,7 @@ def _first_moments(order: int, restitution: float, dim: int) -> np.ndarray:
 def _gain_and_decay(
     moments: np.ndarray, n: int, restitution: float, dim: int
 ) -> tuple[float, float]:
-    """G_n from the moments below n, and r_n; the means by the Gauss–Jacobi rule exact to degree n in y."""
+    """G_n from the moments below n, and r_n. Gauss–Jacobi rules for the means are exact to degree n in y."""
     alpha, delta = (1.0 + restitution) / 4.0, (dim - 1) / 2
     nodes, weights = roots_jacobi(n // 2 + 1, delta - 1, delta - 1)
     y, w = (1.0 - nodes) / 2.0, weights / weights.sum()

@@ -1,18 +1,20 @@
 """Kurtosis excess of the cooling and the heated state of VHS gases, by theories linear in a2.
 
-f is taken as a Gaussian × (1 + a2 S_2), and the collision rates of ⟨|c|²⟩ and ⟨|c|⁴⟩ to first order in a2. At
-T = 1, in units of ρ|S|C_λ ⟨|g|^{2+λ}⟩ of the Gaussian, with p = (1−e²)/4, k = λ(λ+2)/16 (docs/theory.md §4),
+The density is a Gaussian × (1 + a2 S_2), and the collision rates of ⟨|c|²⟩ and ⟨|c|⁴⟩ are taken to first
+order in a2. At T = 1, in units of ρ|S|C_λ ⟨|g|^{2+λ}⟩ of the Gaussian, with p = (1−e²)/4 and k = λ(λ+2)/16
+(docs/theory.md §4),
 
     d⟨|c|²⟩/dt = −p/2 (1 + k a2),    d⟨|c|⁴⟩/dt = −(F_0 + F_1 a2).
 
-In the cooling state ⟨|v|⁴⟩ = d(d+2)(1 + a2) T² falls as T² does; heating, which adds 2ε to T', adds 4(d+2)dεT
-to it, and both stand still:
+In the cooling state ⟨|v|⁴⟩ = d(d+2)(1 + a2) T² falls as T² does. In the heated state both stand still:
+heating adds 2ε to T' and 4(d+2)dεT to d⟨|v|⁴⟩/dt. Hence
 
     cooling  (d+2)p (1 + k a2)(1 + a2) = F_0 + F_1 a2,      heated  (d+2)p (1 + k a2) = F_0 + F_1 a2.
 
-All three a2 change sign where λ = (d+1)(d+λ+2)p/d: at e = 1/√2 for hard spheres in 3D, at √(7/15) in 2D.
-The kernel is the paper's, without angular factor: in 3D at λ = 1 that of hard spheres, with the results of
-van Noije & Ernst; real hard disks scatter otherwise than this kernel does in 2D, and their a2 is another.
+All three a2 change sign where λ = (d+1)(d+λ+2)p/d: for hard spheres in 3D at e = 1/√2, in 2D at √(7/15).
+The kernel is the paper's, without angular factor. In 3D at λ = 1 it is the kernel of hard spheres, with the
+results of van Noije & Ernst. Real hard disks scatter differently from this kernel in 2D, and have another
+a2.
 """
 
 from granstudy.theory.checks import check_exponent, check_restitution
@@ -20,16 +22,16 @@ from granstudy.velocity.space import check_dim
 
 
 def cooling_state_a2(restitution: float, dim: int = 3, exponent: float = 1.0) -> float:
-    """Kurtosis excess of the homogeneous cooling state, linear theory; products a2² dropped.
+    """Kurtosis excess of the homogeneous cooling state, by linear theory without products a2².
 
-    a2 = (F_0 − (d+2)p)/((d+2)p(1+k) − F_1). Hard spheres in 3D: 16(1−e)(1−2e²)/(81−17e+30e²(1−e))
-    (T. van Noije & M. Ernst, Granular Matter 1, 57 (1998)). Exact for Maxwell molecules. For other kernels
-    compare with it, do not expect equality.
+    a2 = (F_0 − (d+2)p)/((d+2)p(1+k) − F_1). For hard spheres in 3D a2 = 16(1−e)(1−2e²)/(81−17e+30e²(1−e))
+    (T. van Noije & M. Ernst, Granular Matter 1, 57 (1998)). The theory is exact for Maxwell molecules, an
+    approximation for other kernels.
 
     Raises
     ------
     ValueError
-        If e or λ is not a number in [0, 1], or the dimension not 2 or 3.
+        If e or λ is not a number in [0, 1], or the dimension is not 2 or 3.
     """
     F0, F1, balance, k = _rates(restitution, dim, exponent)
     return (F0 - balance) / (balance * (1 + k) - F1)
@@ -38,29 +40,33 @@ def cooling_state_a2(restitution: float, dim: int = 3, exponent: float = 1.0) ->
 def montanero_santos_a2(restitution: float, dim: int = 3, exponent: float = 1.0) -> float:
     """Kurtosis excess of the homogeneous cooling state, linearised after division by 1 + a2.
 
-    (d+2)p (1 + k a2) = (F_0 + F_1 a2)/(1 + a2) to first order: a2 = (F_0 − (d+2)p)/((d+2)p k + F_0 − F_1).
-    Hard spheres in 3D: 16(1−e)(1−2e²)/(97−33e−2e²(1−e)) (J. Montanero & A. Santos, Granular Matter 2, 53
-    (2000)). It is not exact for Maxwell molecules, whose equation is linear before the division.
+    (d+2)p (1 + k a2) = (F_0 + F_1 a2)/(1 + a2) to first order gives
+
+        a2 = (F_0 − (d+2)p)/((d+2)p k + F_0 − F_1).
+
+    For hard spheres in 3D a2 = 16(1−e)(1−2e²)/(97−33e−2e²(1−e)) (J. Montanero & A. Santos, Granular Matter
+    2, 53 (2000)). The theory is not exact for Maxwell molecules, whose equation is linear before the
+    division.
 
     Raises
     ------
     ValueError
-        If e or λ is not a number in [0, 1], or the dimension not 2 or 3.
+        If e or λ is not a number in [0, 1], or the dimension is not 2 or 3.
     """
     F0, F1, balance, k = _rates(restitution, dim, exponent)
     return (F0 - balance) / (balance * k + F0 - F1)
 
 
 def heated_state_a2(restitution: float, dim: int = 3, exponent: float = 1.0) -> float:
-    """Kurtosis excess of the steady state heated by diffusion, linear theory.
+    """Kurtosis excess of the steady state heated by diffusion, by linear theory.
 
-    a2 = (F_0 − (d+2)p)/((d+2)p k − F_1). Hard spheres in 3D: 16(1−e)(1−2e²)/(241−177e+30e²(1−e)) (T. van
-    Noije & M. Ernst, Granular Matter 1, 57 (1998)). Exact for Maxwell molecules.
+    a2 = (F_0 − (d+2)p)/((d+2)p k − F_1). For hard spheres in 3D a2 = 16(1−e)(1−2e²)/(241−177e+30e²(1−e))
+    (T. van Noije & M. Ernst, Granular Matter 1, 57 (1998)). The theory is exact for Maxwell molecules.
 
     Raises
     ------
     ValueError
-        If e or λ is not a number in [0, 1], or the dimension not 2 or 3.
+        If e or λ is not a number in [0, 1], or the dimension is not 2 or 3.
     """
     F0, F1, balance, k = _rates(restitution, dim, exponent)
     return (F0 - balance) / (balance * k - F1)
@@ -69,7 +75,7 @@ def heated_state_a2(restitution: float, dim: int = 3, exponent: float = 1.0) -> 
 def _rates(restitution: float, dim: int, exponent: float) -> tuple[float, float, float, float]:
     """F_0, F_1, (d+2)p and k of the equations at the head of this module.
 
-    With v, v* = G ± g/2 a collision adds 2[A G²g² + B g⁴ + C (G·g)²] to |v|⁴ + |v*|⁴, in the mean over σ.
+    With v, v* = G ± g/2 a collision adds, in the mean over σ, 2[A G²g² + B g⁴ + C (G·g)²] to |v|⁴ + |v*|⁴.
     """
     check_dim(dim)
     check_restitution(restitution)

@@ -1,1 +1,1 @@
-"""Grids of velocities that densities live on, the symmetries that densities have there, and their moments."""
+"""Velocity grids, the symmetry groups of densities on them, and moments of densities."""

@@ -1,4 +1,4 @@
-"""The velocity grid: nodes, wavenumbers, box and truncation radius (docs/method.md §2)."""
+"""The Cartesian velocity grid: nodes, wavenumbers, box and truncation radius (docs/method.md §2)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,12 +17,12 @@ from granstudy.velocity.space import (
 )
 
 BOX_RATIO = (3.0 + np.sqrt(2.0)) / 4.0
-"""L / R: the smallest box in which the truncated collisions of a ball of radius R/2 do not overlap."""
+"""L/R of the smallest box in which truncated collisions within a ball of radius R/2 do not overlap."""
 
 
 @dataclass(frozen=True)
 class VelocityGrid:
-    """Cell-centred nodes v_j = −L + (j + ½)·2L/N in each of ``dim`` directions.
+    """Cell-centred nodes v_j = −L + (j + ½)·2L/N, j = 0..N−1, in each of ``dim`` directions.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class VelocityGrid:
     N : int
         Points in each dimension, even, at least 4.
     R : float
-        Truncation radius of the relative velocity; the density's support ball has radius R/2.
+        Truncation radius of the relative velocity. The density is supported in a ball of radius R/2.
 
     Raises
     ------
@@ -80,12 +80,12 @@ class VelocityGrid:
 
     @property
     def cell(self) -> float:
-        """Volume of a cell, the weight of the discrete velocity integral."""
+        """Volume of a cell, the weight of a node in the integral over velocity."""
         return self.spacing**self.dim
 
     @property
     def measure(self) -> float:
-        """Weight of every node in the integral over velocity."""
+        """Weight of every node in the integral over velocity: the volume of a cell."""
         return self.cell
 
     @cached_property
@@ -95,7 +95,7 @@ class VelocityGrid:
 
     @cached_property
     def wavenumbers(self) -> np.ndarray:
-        """The N integer wavenumbers of one dimension in FFT order, −N/2 unpaired."""
+        """The N integer wavenumbers of one dimension in FFT order. The mode −N/2 is unpaired."""
         return np.fft.fftfreq(self.N, 1.0 / self.N).round().astype(np.int64)
 
     @property
@@ -105,7 +105,7 @@ class VelocityGrid:
 
     @cached_property
     def largest_dilation(self) -> float:
-        """Largest |eigenvalue| of `dilation`, d times that of one dimension."""
+        """Largest |eigenvalue| of `dilation`: d times the largest one of one dimension."""
         return float(self.dim * np.max(np.abs(np.linalg.eigvals(self._dilation))))
 
     def velocities(self) -> tuple[np.ndarray, ...]:
@@ -113,14 +113,14 @@ class VelocityGrid:
         return tuple(np.meshgrid(*(self.nodes,) * self.dim, indexing="ij", sparse=True))
 
     def coordinates(self) -> dict[str, Any]:
-        """The nodes of every axis, labelled."""
+        """The nodes of every axis, labelled for xarray."""
         return {
             axis: (axis, self.nodes, {"long_name": f"velocity {axis[1]}", "units": "1"})
             for axis in self.axes
         }
 
     def wavenumber_squared(self, half: bool = False) -> np.ndarray:
-        """|k|² as integers, on the full spectrum or on the half a real transform stores."""
+        """|k|² as integers, on the full spectrum or on the half that a real transform stores."""
         k = self.wavenumbers
         axes = [k] * (self.dim - 1) + [k[: self.N // 2 + 1] if half else k]
         return sum(np.square(m) for m in np.meshgrid(*axes, indexing="ij", sparse=True))
@@ -140,7 +140,7 @@ class VelocityGrid:
         )
 
     def invariants(self) -> dict[str, np.ndarray]:
-        """1, the d components of v and ½|v|² at the nodes, shapes (n, *shape)."""
+        """1, the d components of v, and ½|v|² at the nodes: shapes (n, *shape) with n = 1, d, 1."""
         v = np.array(np.broadcast_arrays(*self.velocities()))
         return {
             "mass": np.ones((1, *self.shape)),
@@ -153,7 +153,7 @@ class VelocityGrid:
         return max(float(np.max(np.abs(np.take(f, [0, -1], axis=i)))) for i in range(self.dim))
 
     def spectral_tail(self, f: np.ndarray) -> float:
-        """Part of ∫f² in the modes with a |k_i| in the upper quarter of the wavenumbers."""
+        """Part of ∫f² in the modes of which a |k_i| lies in the upper quarter of the wavenumbers."""
         power = np.abs(scipy.fft.rfftn(f)) ** 2
         power[..., 1:-1] *= 2.0
         high = np.abs(self.wavenumbers) > 3 * self.N / 8
@@ -161,16 +161,16 @@ class VelocityGrid:
         return float(1.0 - low.sum() / power.sum())
 
     def laplacian(self, f: np.ndarray) -> np.ndarray:
-        """Δv f of a real density by the multiplier −(π|k|/L)² (docs/method.md §3)."""
+        """Δv f of a real density, by the multiplier −(π|k|/L)² (docs/method.md §3)."""
         return scipy.fft.irfftn(self._laplacian * scipy.fft.rfftn(f), s=self.shape)
 
     def laplacian_functions(self, x: float, terms: Sequence[Term]) -> np.ndarray:
-        """Σ φ(xΔ) f over the ``terms`` (φ, f), f real."""
+        """Σ φ(xΔ) f over the ``terms`` (φ, f) for real densities f."""
         spectrum = sum(phi(x * self._laplacian) * scipy.fft.rfftn(f) for phi, f in terms)
         return scipy.fft.irfftn(spectrum, s=self.shape)
 
     def gradient(self, f: np.ndarray) -> list[np.ndarray]:
-        """∂f/∂v_i for each i, exact for what the grid represents."""
+        """∂f/∂v_i for every i, exact for what the grid represents."""
         return [_along(self._derivative, f, axis) for axis in range(self.dim)]
 
     def dilation(self, f: np.ndarray) -> np.ndarray:
@@ -183,7 +183,7 @@ class VelocityGrid:
 
     @cached_property
     def _derivative(self) -> np.ndarray:
-        """Matrix of d/dv on one dimension's nodes; the unpaired mode −N/2 has the derivative 0 there."""
+        """Matrix of d/dv on the nodes of one dimension. The unpaired mode −N/2 has the derivative 0."""
         k = np.where(self.wavenumbers == -self.N // 2, 0, self.wavenumbers)
         waves = scipy.fft.fft(np.eye(self.N), axis=0)
         return scipy.fft.ifft(1j * np.pi / self.L * k[:, None] * waves, axis=0).real
@@ -192,7 +192,7 @@ class VelocityGrid:
     def _dilation(self) -> np.ndarray:
         """Matrix of d/dv v· = ½(d/dv v· + v· d/dv + 1), whose eigenvalues have the real part ½.
 
-        So what flows to the border of the box, where v jumps, does not pile up there.
+        In this form a flow to the border of the box, where v jumps, does not pile up there.
         """
         D, v = self._derivative, self.nodes
         return 0.5 * (D * v + v[:, None] * D + np.eye(self.N))

@@ -10,6 +10,7 @@ import xarray as xr
 from granstudy.velocity.space import VelocityMoments, VelocitySpace, check_shape
 
 COMPONENTS = ("x", "y", "z")
+"""Labels of the components of a velocity."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ FRAME_LONG_NAMES = {
     "frame_velocity": "velocity u of the rescaled frame",
     "collision_time": "collision time τ = ∫θ^λ dt",
 }
-"""Where a rescaled frame is (docs/method.md §5)."""
+"""Position of a rescaled frame, with long names in a dataset (docs/method.md §5)."""
 
 DIMENSIONS: dict[str, tuple[str, ...]] = {
     name: moment.dimensions for name, moment in MOMENTS.items() if moment.dimensions
@@ -99,14 +100,14 @@ def moments(f: np.ndarray, grid: VelocitySpace) -> xr.Dataset:
     Parameters
     ----------
     f : ndarray, shape grid.shape
-        Density; of a complex array (the `literal` method's state) the real part counts.
+        Density. A complex array, as method `literal` advances it, counts by its real part.
     grid : VelocityGrid or RadialGrid
 
     Returns
     -------
     xarray.Dataset
-        The variables of `LONG_NAMES`; `velocity` over ``component``, `pressure` over
-        ``component`` × ``component_``. All dimensionless.
+        The variables of `LONG_NAMES`, all dimensionless: `velocity` over ``component``, `pressure` over
+        ``component`` × ``component_``.
 
     Raises
     ------

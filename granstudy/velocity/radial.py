@@ -20,32 +20,34 @@ from granstudy.velocity.space import (
 from granstudy.velocity.sphere import sphere_area, sphere_mean, sphere_mean_slope
 
 BALL_RATIO = 1.3
-"""L / R. The series repeats f beyond L with the other sign. A density that decays like e^{−v²/2T} disturbs
+"""L/R. Beyond L the series repeats f with the other sign. A density that decays like e^{−v²/2T} disturbs
 itself by e^{−(L−R/2)²/T} = e^{−0.64 R²/T}, far less than the e^{−R²/4T} that truncation at R leaves out."""
 
 
 @dataclass(frozen=True)
 class RadialGrid:
-    """An isotropic density as a Fourier–Bessel series on the ball |v| < L.
+    """A grid of N speeds, on which an isotropic density is a Fourier–Bessel series on the ball |v| < L.
 
-    With M(x) the mean of e^{iσ·x} over the unit sphere (sin x / x in 3D, J0 in 2D) and z_1 < z_2 < ... its
-    zeros (mπ in 3D),
+    M(x) is the mean of e^{iσ·x} over the unit sphere (sin x / x in 3D, J0 in 2D), z_1 < z_2 < ... are its
+    zeros (mπ in 3D). A density is given by its values f_j = f(r_j):
 
-        f(v) = Σ_{m=1}^N c_m M(k_m|v|),   k_m = z_m/L,   given by f_j = f(r_j),   r_j = L z_j/z_{N+1}.
+        f(v) = Σ_{m=1}^N c_m M(k_m|v|),   k_m = z_m/L,   r_j = L z_j/z_{N+1}.
 
-    Each term is the mean of the plane waves with |k| = k_m: N nodes resolve what a Cartesian grid of 1.7 N
-    points in a dimension does at the same R. Integrals over velocity by
-    the quadrature with these nodes that is exact for entire functions of exponential type up to
-    2z_{N+1}/L, as f² is (Frappier & Olivier, Math. Comp. 60, 303 (1993); in 3D the trapezoidal rule):
+    Each term is the mean of the plane waves with |k| = k_m. N nodes resolve as much as a Cartesian grid of
+    1.7 N points per dimension at the same R.
 
-        ∫f dv ≈ Σ_j w_j f_j,   w_j = 4π h r_j², h = L/(N+1) in 3D,   w_j = 4π L²/(z_{N+1} J1(z_j))² in 2D.
+    Integrals over velocity take the quadrature with these nodes that is exact for entire functions of
+    exponential type up to 2z_{N+1}/L, such as f² (Frappier & Olivier, Math. Comp. 60, 303 (1993)). In 3D it
+    is the trapezoidal rule:
+
+        ∫f dv ≈ Σ_j w_j f_j,   3D: w_j = 4π h r_j², h = L/(N+1),   2D: w_j = 4π L²/(z_{N+1} J1(z_j))².
 
     Attributes
     ----------
     dim : int
         Velocity dimension d, 2 or 3.
     N : int
-        Radial nodes and modes, at least 4.
+        Number of nodes and of modes, at least 4.
     R : float
         Truncation radius of the relative velocity; L = 1.3 R.
 
@@ -81,7 +83,7 @@ class RadialGrid:
 
     @property
     def spacing(self) -> float:
-        """π/k_N, the spacing of a Cartesian grid with the same largest wavenumber."""
+        """π/k_N: the spacing of a Cartesian grid with the same largest wavenumber."""
         return float(np.pi / self.wavenumbers[-1])
 
     @property
@@ -122,7 +124,7 @@ class RadialGrid:
         return float(np.max(np.abs(np.linalg.eigvals(self._dilation))))
 
     def velocities(self) -> tuple[np.ndarray, ...]:
-        """Velocities (r_j, 0, ...), which stand for all directions: ``dim`` arrays of shape (N,)."""
+        """Velocities (r_j, 0, ...), each standing for all directions: ``dim`` arrays of shape (N,)."""
         return (self.nodes, *(np.zeros(self.N),) * (self.dim - 1))
 
     def coordinates(self) -> dict[str, Any]:
@@ -137,7 +139,7 @@ class RadialGrid:
         }
 
     def velocity_moments(self, f: np.ndarray) -> VelocityMoments:
-        """Moments of the isotropic density: u = 0, the pressure tensor a multiple of the identity."""
+        """Moments of an isotropic density: u = 0, and the pressure tensor is a multiple of the identity."""
         density, second, fourth = self._powers @ f
         return VelocityMoments(
             density=density,
@@ -148,7 +150,7 @@ class RadialGrid:
         )
 
     def invariants(self) -> dict[str, np.ndarray]:
-        """1 and ½r² at the nodes, shape (1, N); no momentum, which is 0 for every isotropic density."""
+        """1 and ½r² at the nodes, shape (1, N). Momentum is 0 for every isotropic density: shape (0, N)."""
         return {
             "mass": np.ones((1, self.N)),
             "momentum": np.zeros((0, self.N)),
@@ -165,7 +167,7 @@ class RadialGrid:
         return float(power[3 * self.N // 4 :].sum() / power.sum())
 
     def laplacian(self, f: np.ndarray) -> np.ndarray:
-        """Δv f: the multiplier −k_m² on the coefficients, at the nodes."""
+        """Δv f at the nodes, by the multiplier −k_m² on the coefficients."""
         return self._laplacian @ f
 
     def laplacian_functions(self, x: float, terms: Sequence[Term]) -> np.ndarray:
@@ -174,7 +176,7 @@ class RadialGrid:
         return self._synthesis @ sum(phi(x * eigenvalues) * (self.analysis @ f) for phi, f in terms)
 
     def gradient(self, f: np.ndarray) -> list[np.ndarray]:
-        """No direction in which an isotropic density can move."""
+        """An empty list, as an isotropic density can move in no direction."""
         return []
 
     def dilation(self, f: np.ndarray) -> np.ndarray:
@@ -186,7 +188,7 @@ class RadialGrid:
         return sphere_mean(self.dim, np.multiply.outer(speeds, self.wavenumbers))
 
     def evaluate(self, f: np.ndarray, speeds: np.ndarray) -> np.ndarray:
-        """The density at any speeds: its Fourier–Bessel series, 0 from L on."""
+        """The density at any speeds: its Fourier–Bessel series below L, 0 from L on."""
         check_shape(f, self)
         speeds = np.asarray(speeds, dtype=float)
         values = self.mode_values(speeds) @ (self.analysis @ f)
@@ -198,31 +200,31 @@ class RadialGrid:
         Raises
         ------
         ValueError
-            If the grid is of another dimension, or ``f`` of another shape than (N,).
+            If the grid has another dimension, or ``f`` another shape than (N,).
         """
         self._check_grid(grid)
         squared = sum(np.square(v) for v in grid.velocities())
-        # Nodes on one sphere share their value; rounding tells their |v|² apart in the last digits.
+        # Nodes on one sphere share their value, although rounding makes their |v|² differ in the last digits.
         key = np.rint(np.asarray(squared) / (grid.spacing / 2) ** 2).astype(np.int64)
         shells, place = np.unique(key, return_inverse=True)
         speeds = grid.spacing / 2 * np.sqrt(shells)
         return self.evaluate(f, speeds)[place].reshape(grid.shape)
 
     def from_cartesian(self, F: np.ndarray, grid: VelocityGrid) -> np.ndarray:
-        """Average over directions of a density on a Cartesian grid, at the speeds r_j.
+        """Average over directions of a density ``F`` on a Cartesian grid, at the speeds r_j.
 
-        Exact for what the Cartesian grid represents: the mean of the interpolating Σ_k F̂_k e^{iπk·v/L} over
-        the sphere |v| = r is Σ_k F̂_k M(π|k|r/L). Speeds beyond the box see its periodic images; they
-        get 0.
+        The average is exact for what the Cartesian grid represents: the mean of Σ_k F̂_k e^{iπk·v/L} over
+        the sphere |v| = r is Σ_k F̂_k M(π|k|r/L). At speeds beyond the box, where the series is periodic,
+        the result is 0.
 
         Raises
         ------
         ValueError
-            If the grid is of another dimension, or ``F`` of another shape than its own.
+            If the grid has another dimension, or ``F`` another shape than the grid.
         """
         self._check_grid(grid)
         check_shape(F, grid)
-        # The phase that the first node, at −L + h/2 in every direction, takes off.
+        # The transform takes phases from the first node, −L + h/2 in every direction. Move them to v = 0.
         phase = np.exp(-1j * np.pi / grid.L * grid.wavenumbers * grid.nodes[0])
         F_hat = np.fft.fftn(F) / F.size
         for axis in range(grid.dim):
@@ -235,7 +237,7 @@ class RadialGrid:
 
     @cached_property
     def _zeros(self) -> np.ndarray:
-        """The first N+1 zeros of M."""
+        """The first N+1 zeros of M, increasing."""
         count = self.N + 1
         return jn_zeros(0, count) if self.dim == 2 else np.pi * np.arange(1.0, count + 1)
 
@@ -250,7 +252,7 @@ class RadialGrid:
 
     @cached_property
     def _dilation(self) -> np.ndarray:
-        """D + r d/dr, with x M'(x) at x = k_m r_j for r dM/dr."""
+        """Matrix of d + r d/dr, from r dM(k_m r)/dr = x M'(x) at x = k_m r_j."""
         slopes = sphere_mean_slope(self.dim, np.multiply.outer(self.nodes, self.wavenumbers))
         return self.dim * np.eye(self.N) + slopes @ self.analysis
 

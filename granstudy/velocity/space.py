@@ -1,4 +1,7 @@
-"""What moments, health checks, time integration and datasets need of a grid, whatever its kind."""
+"""The protocol of a velocity grid, Cartesian or radial, and checks of its parameters.
+
+Moments, health checks, time integration and datasets know a grid by this protocol alone.
+"""
 
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Protocol
@@ -8,10 +11,10 @@ import numpy as np
 from granstudy.support.checks import check_positive
 
 INVARIANTS = ("mass", "momentum", "energy")
-"""What elastic collisions conserve: the keys of `VelocitySpace.invariants`."""
+"""Quantities that elastic collisions conserve, the keys of `VelocitySpace.invariants`."""
 
 Term = tuple[Callable[[np.ndarray], np.ndarray], np.ndarray]
-"""A function of the Laplacian, and the density that it acts on."""
+"""A function φ of the Laplacian's eigenvalues, and the density that φ(Δ) acts on."""
 
 
 class VelocityMoments(NamedTuple):
@@ -30,7 +33,7 @@ class VelocityMoments(NamedTuple):
 
 
 class VelocitySpace(Protocol):
-    """A grid that densities live on: Cartesian (`VelocityGrid`) or radial (`RadialGrid`).
+    """A grid of velocities: Cartesian (`VelocityGrid`) or radial (`RadialGrid`).
 
     Attributes
     ----------
@@ -39,13 +42,13 @@ class VelocitySpace(Protocol):
     shape : tuple of int
         Shape of a density.
     axes : tuple of str
-        Name of each of its axes: ``vx, vy[, vz]``, or ``r``.
+        Names of a density's axes: ``vx, vy[, vz]``, or ``r``.
     R : float
         Truncation radius of the relative velocity.
     L : float
         Largest velocity component or speed.
     spacing : float
-        π over the largest wavenumber: features narrower than this are not resolved.
+        π over the largest wavenumber. Narrower features are not resolved.
     measure : float or ndarray
         Weights of the nodes in the integral over velocity.
     largest_laplacian, largest_dilation : float
@@ -81,10 +84,10 @@ class VelocitySpace(Protocol):
         """Moments of a density by the grid's quadrature."""
 
     def invariants(self) -> dict[str, np.ndarray]:
-        """What elastic collisions conserve, at the nodes: ``mass``, ``momentum``, ``energy``."""
+        """The quantities `INVARIANTS` as functions of velocity at the nodes, shapes (n, *shape)."""
 
     def edge(self, f: np.ndarray) -> float:
-        """Largest |f| at the border of the grid: what lies there wraps around."""
+        """Largest |f| at the border of the grid, where a density wraps around."""
 
     def spectral_tail(self, f: np.ndarray) -> float:
         """Part of ∫f² in the upper quarter of the wavenumbers."""
@@ -93,13 +96,13 @@ class VelocitySpace(Protocol):
         """Δv f, exact for what the grid represents."""
 
     def laplacian_functions(self, x: float, terms: Sequence[Term]) -> np.ndarray:
-        """Σ φ(xΔ) f over the ``terms`` (φ, f), φ a function of the Laplacian's eigenvalues times x."""
+        """Σ φ(xΔ) f over the ``terms`` (φ, f). φ takes the Laplacian's eigenvalues times x."""
 
     def gradient(self, f: np.ndarray) -> list[np.ndarray]:
-        """The components of ∇v f that do not vanish for every density here."""
+        """The components of ∇v f, without those that vanish for every density on the grid."""
 
     def dilation(self, f: np.ndarray) -> np.ndarray:
-        """∇v·(v f), exact for what the grid represents but for what leaves it at the border."""
+        """∇v·(v f), exact for what the grid represents, except for what leaves it at the border."""
 
 
 def check_dim(dim: int) -> None:
@@ -109,7 +112,7 @@ def check_dim(dim: int) -> None:
 
 
 def check_point_count(N: int) -> None:
-    """Raise ValueError unless ``N`` can be the number of points in a dimension."""
+    """Raise ValueError unless ``N`` can be the number of points per dimension."""
     if isinstance(N, bool) or not isinstance(N, (int, np.integer)) or N < 4 or N % 2:
         raise ValueError(f"N={N!r}: must be an even integer of at least 4")
 

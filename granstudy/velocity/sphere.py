@@ -1,11 +1,11 @@
-"""Means over the unit circle and sphere."""
+"""Means over the unit circle (2D) and the unit sphere (3D), and their areas."""
 
 import numpy as np
 from scipy.special import j0, j1
 
 PAPER_SHIFT = 1e-8
-"""The paper's code takes sin(x+s)/(x+s) for sinc, s = 1e-8, against 0/0. Its printed errors show it: they
-come out to 1e-10 relative with this shift in every sinc, and to 1e-8 of max|Q| without."""
+"""Shift s by which the paper's code avoids 0/0: it takes sin(x+s)/(x+s) for sinc x. The printed errors show
+the shift: they come out to 1e-10 relative with it in every sinc, and to 1e-8 of max|Q| without."""
 
 
 def sphere_mean(dim: int, x: np.ndarray) -> np.ndarray:
@@ -14,12 +14,12 @@ def sphere_mean(dim: int, x: np.ndarray) -> np.ndarray:
 
 
 def sphere_mean_slope(dim: int, x: np.ndarray) -> np.ndarray:
-    """X M'(x) of M = `sphere_mean`: −x J1(x) in 2D, cos x − sin x/x in 3D."""
+    """x M'(x) for M = `sphere_mean`: −x J1(x) in 2D, cos x − sin x/x in 3D."""
     return -x * j1(x) if dim == 2 else np.cos(x) - np.sinc(x / np.pi)
 
 
 def paper_sphere_mean(dim: int, x: np.ndarray) -> np.ndarray:
-    """`sphere_mean` as the paper's code evaluates it, x ≥ 0 (docs/method.md §6)."""
+    """`sphere_mean` for x ≥ 0 as the paper's code evaluates it (docs/method.md §6)."""
     return sphere_mean(dim, x if dim == 2 else x + PAPER_SHIFT)
 
 

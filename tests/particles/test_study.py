@@ -1,15 +1,12 @@
 """Particles in a study: runs beside those of other methods, their cost, what a study refuses."""
 
-import shutil
-
 import pytest
 
 import granstudy as gs
 from granstudy.analysis.tables.plan import study_forecasts
+from granstudy.study.estimates import estimate_run
 from granstudy.study.execute import execute
-from granstudy.study.run_key import run_fingerprint, run_key
-from granstudy.study.study import load_study
-from granstudy.support import fingerprint as module
+from granstudy.study.run_key import run_key
 
 STUDY = """
 title: cooling
@@ -23,17 +20,6 @@ experiments:
     sweep:
       - {particles: [1000, 2000], batches: [10, 20]}
 """
-
-
-@pytest.fixture
-def load(tmp_path):
-    def load(old="", new=""):
-        assert old in STUDY
-        path = tmp_path / "test.yaml"
-        path.write_text(STUDY.replace(old, new, 1) if old else STUDY)
-        return load_study(path)
-
-    return load
 
 
 def test_runs_are_written_and_opened_together(load, tmp_path):
@@ -62,7 +48,7 @@ def test_collisions_are_counted_before_they_happen(load):
     ds = execute(run, threads=1)
     forecast = dict(study_forecasts(load()))["cooling/particles~2000/batches~20"]
     assert forecast.collisions == pytest.approx(2000 / 2 * float(ds["collisions"][-1]), rel=0.1)
-    assert forecast.seconds > 0 and run.cost.seconds > 0
+    assert forecast.seconds > 0 and estimate_run(run).cost.seconds > 0
     assert f"{forecast.collisions:.2g} collisions" in repr(forecast)
 
 
@@ -115,30 +101,8 @@ def test_mistakes(load, old, new, message):
         load(old, new)
 
 
-def test_only_evolution_runs(tmp_path):
+def test_only_evolution_runs(load):
     text = STUDY.replace("run: evolution", "run: benchmark")
     lines = [line for line in text.splitlines() if "time:" not in line]
-    path = tmp_path / "test.yaml"
-    path.write_text("\n".join(lines))
     with pytest.raises(ValueError, match="method='dsmc': has no collision operator for benchmark"):
-        load_study(path)
-
-
-def test_an_edit_of_the_collisions_changes_these_runs_alone(tmp_path, monkeypatch):
-    copy = tmp_path / "granstudy"
-    shutil.copytree(module.PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
-
-    def prints():
-        module.imported_modules.cache_clear()
-        module._tree.cache_clear()
-        return {method: run_fingerprint("evolution", method) for method in ("dsmc", "fast")}
-
-    before = prints()
-    monkeypatch.setattr(module, "PACKAGE", copy)
-    assert prints() == before
-    path = copy / "particles" / "collisions.py"
-    path.write_text(path.read_text().replace("0.5 * (n - 1)", "0.6 * (n - 1)"))
-    after = prints()
-    assert {method for method in after if after[method] != before[method]} == {"dsmc"}
-    module.imported_modules.cache_clear()
-    module._tree.cache_clear()
+        load(text="\n".join(lines))

@@ -7,7 +7,6 @@ from granstudy.datasets.netcdf import write_dataset
 from granstudy.study import execute
 from granstudy.study.jobs import JOB_SECONDS, jobs
 from granstudy.study.run_key import run_key
-from granstudy.study.study import load_study
 
 STUDY = """
 title: test
@@ -24,16 +23,14 @@ experiments:
 
 
 @pytest.fixture
-def runs(tmp_path):
-    (tmp_path / "test.yaml").write_text(STUDY)
-    return list(load_study(tmp_path / "test.yaml").runs["cooling"].values())
+def runs(load):
+    return list(load().runs["cooling"].values())
 
 
-def test_cheap_runs_share_a_job_and_long_ones_are_alone(tmp_path):
+def test_cheap_runs_share_a_job_and_long_ones_are_alone(load):
     sweep = "- {e: [0.2, 0.5], N: [8, 32768, 10, 12], method: [fast]}"
     text = STUDY.replace("- {e: [0.2, 0.5, 0.8], method: [fast, literal]}", sweep)
-    (tmp_path / "test.yaml").write_text(text.replace(", N: 8}", "}"))
-    runs = list(load_study(tmp_path / "test.yaml").runs["cooling"].values())
+    runs = list(load(text=text.replace(", N: 8}", "}")).runs["cooling"].values())
     divided = jobs(runs)
     assert [run for job in divided for run in job.runs] == runs
     assert [[run.solver.N for run in job.runs] for job in divided] == [

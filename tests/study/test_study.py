@@ -2,6 +2,9 @@
 
 import pytest
 
+from granstudy.collision.choice.methods import maker
+from granstudy.collision.fast.adaptive.operator import AdaptiveOperator
+from granstudy.study.estimates import estimate_run
 from granstudy.study.run import canonical
 from granstudy.study.study import load_study
 
@@ -28,17 +31,6 @@ experiments:
 """
 
 
-@pytest.fixture
-def load(tmp_path):
-    def load(old="", new=""):
-        assert old in STUDY
-        path = tmp_path / "test.yaml"
-        path.write_text(STUDY.replace(old, new, 1) if old else STUDY)
-        return load_study(path)
-
-    return load
-
-
 def test_runs_have_canonical_paths(load):
     study = load()
     assert list(study.runs["cooling"]) == [
@@ -52,8 +44,9 @@ def test_runs_have_canonical_paths(load):
         "a%2Fb",
     ]
     run = study.run("cooling", "e~0.8/N~8/M_sph~12/method~fast")
-    assert (run.scene.restitution, run.solver.M_sph, run.evaluations) == (0.8, 12, 30)
-    assert run.cost.seconds > 0
+    estimate = estimate_run(run)
+    assert (run.scene.restitution, run.solver.M_sph, estimate.evaluations) == (0.8, 12, 30)
+    assert estimate.cost.seconds > 0
 
 
 def test_a_collision_run_has_a_reference_without_directions(load):
@@ -89,8 +82,8 @@ def test_tolerances_are_swept_in_place_of_sizes(load):
     runs = study.runs["cooling"]
     assert list(runs) == ["e~0.2/N~32/rtol~0.01", "e~0.2/N~32/rtol~0.0001"]
     coarse, fine = runs.values()
-    assert (coarse.solver.rtol, coarse.solver.operator) == (1e-2, "adaptive")
-    assert 0 < coarse.cost.seconds < fine.cost.seconds
+    assert (coarse.solver.rtol, maker(coarse.solver)) == (1e-2, AdaptiveOperator)
+    assert 0 < estimate_run(coarse).cost.seconds < estimate_run(fine).cost.seconds
     assert coarse.parameters() != fine.parameters()
 
 

@@ -1,8 +1,8 @@
 # Many runs to one labelled table, and tables or runs to figures.
 rule table:
     input:
-        runs=lambda wildcards: run_files(wildcards.experiment),
-        beside=lambda wildcards: tables_beside(wildcards.experiment, "table"),
+        runs=lambda wildcards: LAYOUT.run_files(wildcards.experiment),
+        beside=lambda wildcards: LAYOUT.beside_table(wildcards.experiment),
     output:
         multiext(f"{RESULTS}/tables/{{experiment}}", ".nc", ".csv", ".md"),
     log:
@@ -11,11 +11,7 @@ rule table:
         "../envs/granstudy.yaml"
     params:
         study=STUDY_FILE,
-        request=lambda wildcards: STUDY.model.experiments[
-            wildcards.experiment
-        ].model_dump_json(
-            include={"title", "state", "table", "fit", "reference", "truth"}
-        ),
+        request=lambda wildcards: LAYOUT.table_request(wildcards.experiment),
         code=fingerprint(["granstudy.analysis.tables.table"]),
     message:
         "table {wildcards.experiment}"
@@ -26,8 +22,8 @@ rule table:
 rule figure:
     input:
         table=f"{RESULTS}/tables/{{experiment}}.nc",
-        beside=lambda wildcards: tables_beside(wildcards.experiment, "figure"),
-        runs=lambda wildcards: run_files(wildcards.experiment),
+        beside=lambda wildcards: LAYOUT.beside_figure(wildcards.experiment),
+        runs=lambda wildcards: LAYOUT.run_files(wildcards.experiment),
     output:
         multiext(f"{RESULTS}/figures/{{experiment}}", ".png", ".svg"),
     log:
@@ -36,9 +32,7 @@ rule figure:
         "../envs/granstudy.yaml"
     params:
         study=STUDY_FILE,
-        request=lambda wildcards: STUDY.model.experiments[
-            wildcards.experiment
-        ].model_dump_json(include={"title", "figure"}),
+        request=lambda wildcards: LAYOUT.figure_request(wildcards.experiment),
         code=fingerprint(["granstudy.analysis.figures.figure"]),
     message:
         "figure {wildcards.experiment}"

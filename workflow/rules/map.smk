@@ -1,13 +1,13 @@
 # All experiments of a study that have a truth: case × configuration → errors and label.
 rule map:
     input:
-        expand(f"{RESULTS}/tables/{{name}}.nc", name=STUDY.model.with_truth),
+        LAYOUT.map_tables,
     output:
-        nc=f"{RESULTS}/tables/{MAP}.nc",
-        csv=f"{RESULTS}/tables/{MAP}.csv",
-        md=f"{RESULTS}/tables/{MAP}.md",
-        png=f"{RESULTS}/figures/{MAP}.png",
-        svg=f"{RESULTS}/figures/{MAP}.svg",
+        nc=LAYOUT.table_file(MAP, "nc"),
+        csv=LAYOUT.table_file(MAP, "csv"),
+        md=LAYOUT.table_file(MAP, "md"),
+        png=LAYOUT.figure_file(MAP, "png"),
+        svg=LAYOUT.figure_file(MAP, "svg"),
     log:
         f"{RESULTS}/logs/{MAP}.log",
     conda:
@@ -15,7 +15,9 @@ rule map:
     params:
         cases=STUDY.model.with_truth,
         title=STUDY.model.map.title if STUDY.model.map else "",
-        code=fingerprint(["granstudy.analysis.tables.map", "granstudy.analysis.figures.map"]),
+        code=fingerprint(
+            ["granstudy.analysis.tables.map", "granstudy.analysis.figures.map"]
+        ),
     message:
         "map"
     script:

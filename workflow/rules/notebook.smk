@@ -2,7 +2,7 @@
 rule notebook:
     input:
         notebook="workflow/notebooks/{name}.ipynb",
-        runs=run_files("table1") + run_files("figure4") if STUDY.name == "paper" else [],
+        runs=lambda wildcards: LAYOUT.notebook_files(wildcards.name),
     output:
         f"{RESULTS}/notebooks/{{name}}.ipynb",
     log:

@@ -1,12 +1,12 @@
 # One NetCDF file a run; cheap runs share a job. The keys hash the solver's code with the run's
 # parameters: Snakemake does not see edits in an imported package. The longest jobs start first.
-for job in JOBS:
+for job in LAYOUT.jobs:
 
     rule:
         name:
             f"run_{job.experiment}_{job.number}"
         output:
-            [update(f"{RUNS}/{job.experiment}/{run.path}.nc") for run in job.runs],
+            [update(LAYOUT.run_file(job.experiment, run.path)) for run in job.runs],
         log:
             f"{RESULTS}/logs/{job.experiment}/{job.number}.log",
         priority: int(job.seconds)
@@ -21,7 +21,7 @@ for job in JOBS:
             experiment=job.experiment,
             points=[run.path for run in job.runs],
             run_keys=job.keys,
-            unfinished=f"{RUNS}/.unfinished",
+            unfinished=f"{LAYOUT.runs}/.unfinished",
         message:
             f"{job.experiment}: {len(job.runs)} runs from {job.runs[0].path}"
         script:
@@ -39,8 +39,8 @@ rule benchmark:
     threads: workflow.cores
     params:
         study=STUDY_FILE,
-        parameters=lambda wildcards: benchmark_parameters(wildcards.experiment),
-        code=lambda wildcards: benchmark_code(wildcards.experiment),
+        parameters=lambda wildcards: LAYOUT.benchmark_parameters(wildcards.experiment),
+        code=lambda wildcards: LAYOUT.benchmark_code(wildcards.experiment),
     message:
         "benchmark {wildcards.experiment}"
     script:

@@ -49,7 +49,7 @@ def draw(
         elif asked.kind == "speed":
             figure = _speed(table)
         elif asked.kind == "front":
-            of_runs = experiment.truth is not None
+            of_runs = experiment.has_truth
             figure = draw_run_front(table) if of_runs else draw_front([table, *beside])
         elif asked.kind == "states":
             figure = draw_states([table, *beside])

@@ -15,6 +15,7 @@ from granstudy.analysis.tables.truth import truth_of
 from granstudy.datasets.netcdf import read_dataset
 from granstudy.evolution.frames.physical import physical_density
 from granstudy.study.run import Run
+from granstudy.study.schema.experiment import EvolutionExperiment
 from granstudy.trust.flags import flag_word
 from granstudy.trust.truth import Truth
 
@@ -55,7 +56,8 @@ def draw_gallery(
         panels[0].plot(ds["time"], ds["temperature"], **look, label=label)
         panels[1].plot(ds["time"], ds["a2"], **look)
         _density(panels[2], ds, look)
-        assert run.model.truth is not None and run.time is not None
+        assert isinstance(run.model, EvolutionExperiment) and run.model.truth is not None
+        assert run.time is not None
         by_law = run.model.truth.law is not None
         gas = str(run.scene.describe()) if by_law else run.truth.path
         if gas not in truths:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from granstudy.analysis.tables.markdown import rows_text
 from granstudy.evolution.forecast import Forecast, plan
+from granstudy.study.estimates import expected_evaluations, planned_scene
 from granstudy.study.run import Run
 from granstudy.study.study import Study
 from granstudy.support.files import write_whole
@@ -37,9 +38,9 @@ def forecast(run: Run) -> Forecast:
     solver = replace(run.solver, threads=run.model.threads)
     time = run.time
     if time is None:
-        one = plan(run.planned_scene, solver)
-        further = (run.evaluations - one.evaluations) * one.seconds_per_evaluation
-        return replace(one, evaluations=run.evaluations, seconds=one.seconds + further)
+        one, evaluations = plan(planned_scene(run), solver), expected_evaluations(run)
+        further = (evaluations - one.evaluations) * one.seconds_per_evaluation
+        return replace(one, evaluations=evaluations, seconds=one.seconds + further)
     return plan(run.scene, solver, time.t_final, time.dt, time.time_rtol, time.scheme)
 
 

@@ -11,13 +11,13 @@ from granstudy.datasets.netcdf import read_dataset, run_seconds
 from granstudy.datasets.open_runs import final_values
 from granstudy.particles.dataset import time_average
 from granstudy.study.run import Run
-from granstudy.study.schema.experiment import AverageModel, TableModel
+from granstudy.study.schema.experiment import AverageModel, EvolutionTableModel
 from granstudy.trust.flags import Status
 
 Rows = list[tuple[Run, str]]
 
 
-def _evolution(rows: Rows, asked: TableModel | None) -> xr.Dataset:
+def _evolution(rows: Rows, asked: EvolutionTableModel | None) -> xr.Dataset:
     """Moments and errors at the final time, or averages that are asked for."""
     # Before all files are open: netCDF4 has crashed where a file was opened twice.
     averages = _averages(rows, asked.average) if asked and asked.average else {}

@@ -8,6 +8,7 @@ import xarray as xr
 from granstudy import theory
 from granstudy.datasets.open_runs import final_values
 from granstudy.study.run import Run
+from granstudy.study.schema.experiment import StateExperiment
 
 COMPARED = {"a2": ".6f", "temperature": ".7f"}
 """What is held against other experiments, and the digits worth reading; the temperature if heated."""
@@ -52,8 +53,8 @@ def state_table(rows: Sequence[tuple[Run, str]]) -> xr.Dataset:
         table = final[[*names, "trust"]].load(scheduler="synchronous")
     table = table.rename(a2_error_estimate="estimated_a2_error")
     run = rows[0][0]
+    assert isinstance(run.model, StateExperiment)
     state, dim = run.model.state, run.scene.dim
-    assert state is not None
     table.attrs |= {"state": state, "dim": dim}
     gases = [(float(run.scene.restitution), run.scene.kernel.exponent) for run, _ in rows]  # type: ignore[arg-type]
     if any(exponent > 0.0 for _, exponent in gases):

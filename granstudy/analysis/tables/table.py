@@ -81,7 +81,7 @@ def experiment_table(
                 raise ValueError(f"{file}: is not the file of run {path}")
         rows = [(run, file) for _, run, file in paths if not run.is_reference]
         by_path = {path: file for path, _, file in paths}
-        if experiment.truth is not None:
+        if experiment.run == "evolution" and experiment.truth is not None:
             table = _with_swept(truth_table(rows, by_path), rows)
             if experiment.table is not None and experiment.table.seconds:
                 table = _with_seconds(table, rows)
@@ -170,7 +170,7 @@ def _finish(table: xr.Dataset, experiment: Experiment) -> xr.Dataset:
         "collision": ["relative_error"],
         "benchmark": [str(name) for name in table.data_vars],
     }[experiment.run]
-    if experiment.truth is not None:
+    if experiment.has_truth:
         beside = [*COLUMNS, "seconds"]
     names = [name for name in (*first, *beside, "status") if name in table]
     kept = ("swept", "quantity", "refined", "paper_quantity", "dim", "state", "beside", "truth")

@@ -8,6 +8,7 @@ import xarray as xr
 from granstudy.datasets.netcdf import read_dataset
 from granstudy.datasets.open_runs import final_values
 from granstudy.study.run import Run
+from granstudy.study.schema.experiment import EvolutionExperiment
 from granstudy.trust.truth import Truth, errors, maxwell_truth, truth_of_dataset
 
 COLUMNS = (
@@ -78,7 +79,7 @@ def truth_of(run: Run, files: Mapping[str, str], times: np.ndarray) -> Truth:
     times : ndarray
         Where an exact law is evaluated; a run that serves as truth has its own.
     """
-    assert run.model.truth is not None
+    assert isinstance(run.model, EvolutionExperiment) and run.model.truth is not None
     if run.model.truth.law is not None:
         return maxwell_truth(run.scene, times)
     return truth_of_dataset(read_dataset(files[run.truth.path]))

@@ -1,4 +1,4 @@
-"""The filters that the Carleman form multiplies f̂ by, and the modes that they act on."""
+"""Filters of the Carleman form: functions of the modes by which f̂ is multiplied (docs/method.md §8)."""
 
 from dataclasses import dataclass
 
@@ -7,13 +7,16 @@ import numpy as np
 from granstudy.collision.carleman.weights import Product, mirrored
 from granstudy.collision.rules import directions
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.model.solver import SizedSolver
 from granstudy.quadrature import Rule, half
 from granstudy.velocity.cartesian import VelocityGrid
 
 
 def ball_modes(grid: VelocityGrid) -> tuple[np.ndarray, np.ndarray]:
-    """Wavenumbers (n, d) with |l| < N/2 of the half spectrum, and how many each row (N, N') begins with."""
+    """Wavenumbers |l| < N/2 of the half spectrum, shape (n, d), and how many each row has, shape (N, N').
+
+    A row's modes in the ball are its first ones.
+    """
     k = grid.wavenumbers
     axes = [k] * (grid.dim - 1) + [k[: grid.N // 2 + 1]]
     inside = grid.wavenumber_squared(half=True) < (grid.N // 2) ** 2
@@ -21,10 +24,11 @@ def ball_modes(grid: VelocityGrid) -> tuple[np.ndarray, np.ndarray]:
     return modes, inside.sum(axis=-1).reshape(grid.N, -1)
 
 
-def half_rule(scene: Scene, solver: Solver) -> Rule:
-    """One of each pair ±e; at e = 1 in 2D one of each four where the rule has right angles.
+def half_rule(scene: Scene, solver: SizedSolver) -> Rule:
+    """One direction of each pair ±e, with the weight of both.
 
-    There x and y, and with them l and m, play the same part, so that e⊥ gives what e gives.
+    At e = 1 in 2D, a rule with right angles is reduced to one direction of four: l and m then play the same
+    part, so that the direction across e gives the same as e.
     """
     pairs = half(directions(scene, solver))
     if scene.dim == 2 and scene.restitution == 1.0 and solver.M_cir % 4 == 0:
@@ -35,10 +39,17 @@ def half_rule(scene: Scene, solver: Solver) -> Rule:
 
 @dataclass(frozen=True)
 class Filters:
-    """The filters of l and m on the ball's modes, a row a direction and product, and the loss weight.
+    """Filters of l and of m on the ball's modes, a row for each direction and product, and the loss weight.
 
-    A real odd function of l·e times f̂ is the spectrum of i times a real density. ``odd`` tells where both
-    filters are odd; they take factors −i and i, which leaves their product as it is.
+    An odd real filter times f̂ is the spectrum of i times a real density. Two odd filters therefore take the
+    factors −i and i, which leave their product as it is.
+
+    Attributes
+    ----------
+    of_l, of_m : ndarray, shape (rows, modes)
+    odd : ndarray of bool, shape (rows,)
+        Whether both filters of the row are odd.
+    loss : ndarray, shape (modes,)
     """
 
     of_l: np.ndarray
@@ -48,15 +59,18 @@ class Filters:
 
 
 def tabulate(terms: list[Product], rule: Rule, modes: np.ndarray) -> Filters:
-    """w_e u_j(l·e), p_j(m·e) q(|m⊥|) and G⁻(m) = G⁺(−m,m) with this rule, which conserves mass.
+    """Filters w_e u_j(l·e) and p_j(m·e) q_j(|m⊥|), and the loss weight G⁻(m) = G⁺(−m,m) with the same rule.
 
-    ``modes`` (n, d) are l and m in units of 1/velocity.
+    Parameters
+    ----------
+    modes : ndarray, shape (n, d)
+        l and m in units of 1/velocity.
     """
     shape = (len(rule), len(terms), len(modes))
     of_l, of_m = np.empty(shape), np.empty(shape)
     loss = np.zeros(len(modes))
     square = np.square(modes).sum(axis=1)
-    # ∫_{−r}^{r} dρ has both of ±e: the integral is over half a sphere
+    # ∫_{−r}^{r} dρ counts both of ±e, so that the integral over e is over half a sphere.
     for i, (e, w) in enumerate(zip(rule.points, rule.weights / 2, strict=True)):
         along = modes @ e
         beside = np.sqrt(np.maximum(square - along**2, 0.0))

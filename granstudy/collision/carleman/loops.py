@@ -7,7 +7,7 @@ from granstudy.collision.fourier.fftw import BACKWARD, execute
 
 @numba.njit(nogil=True, cache=True)
 def filter_modes(f_hat, weights, odd, turn, counts, starts, out):
-    """Out = weights f̂ on the ball of modes, times i·turn where ``odd``, and 0 elsewhere."""
+    """out = weights f̂ on the ball of modes, times i·turn where ``odd``; 0 on all other modes."""
     nx, ny, nz = f_hat.shape
     factor = turn * 1j if odd else 1.0 + 0.0j
     for i in range(nx):
@@ -26,7 +26,7 @@ def filter_modes(f_hat, weights, odd, turn, counts, starts, out):
 
 @numba.njit(nogil=True, cache=True, fastmath={"contract"})
 def add_product(first, second, total):
-    """Add first·second to total (n n', n); rows of both are padded by in-place transforms."""
+    """Add first·second to ``total`` (n n', n). In-place transforms pad the rows of both factors."""
     rows, n = total.shape
     for j in range(rows):
         for k in range(n):
@@ -37,7 +37,7 @@ def add_product(first, second, total):
 def sum_products(
     f_hat, of_l, of_m, odd, counts, starts, a_spectrum, b_spectrum, a, b, a_plans, b_plans, gain
 ):
-    """Gain (n n', n) = Σ ab, where a and b are transformed from f̂ times the filters of l and of m."""
+    """gain = Σ ab, shape (n n', n): a is transformed from f̂ times a filter of l, b from f̂ times one of m."""
     gain[:] = 0.0
     for i in range(len(odd)):
         filter_modes(f_hat, of_l[i], odd[i], -1, counts, starts, a_spectrum)

@@ -2,9 +2,10 @@
 
     Q⁺(v) = Σ_{±e} w_e Σ_j a_j(v) b_j(v),   â_j = u_j(l·e) f̂_l,   b̂_j = p_j(m·e) q_j(|m⊥|) f̂_m
 
-with u_j, p_j, q_j from `carleman_weights`. At e = 1 with hard spheres in 3D or Maxwell molecules in 2D j is
-one value (Mouhot & Pareschi, Math. Comp. 75, 1833 (2006); Wu, White, Scanlon, Reese & Zhang, J. Comput.
-Phys. 250, 27 (2013)). Two inverse transforms a pair ±e and product, none forward but that of f.
+The functions u_j, p_j, q_j come from `granstudy.collision.carleman.weights`. One product is enough at e = 1
+with hard spheres in 3D or Maxwell molecules in 2D (Mouhot & Pareschi, Math. Comp. 75, 1833 (2006); Wu, White,
+Scanlon, Reese & Zhang, J. Comput. Phys. 250, 27 (2013)). Every product takes two inverse transforms
+for each pair ±e; f alone is transformed forward.
 """
 
 import numpy as np
@@ -18,24 +19,26 @@ from granstudy.collision.fourier.threads import SHARES, Bounds, Workers, split
 from granstudy.collision.fourier.transforms import RealTransforms
 from granstudy.collision.protocol import check_state
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.model.solver import SizedSolver
 
 
 class CarlemanOperator:
-    """Q(f,f) for constant e: elastic with any kernel, inelastic where the kernel separates.
+    """Q(f,f) for a constant e: elastic with any kernel, inelastic where the kernel separates.
 
-    The modes |l| < N/2 take part: the ball keeps isotropy, and leaves out the unpaired mode. The ``full``
-    loss has the gain's own directions and products, so that mass is conserved to round-off; the ``separate``
-    one integrates over directions to convergence.
+    The modes |l| < N/2 take part. This ball of modes is isotropic, and excludes the unpaired mode.
+
+        variant    loss                                            mass
+        full       the gain's directions and products              conserved to round-off
+        separate   integrated over directions to convergence       conserved as far as the gain has converged
 
     Raises
     ------
     ValueError
-        For a restitution that depends on the impact speed, and for e < 1 but with hard spheres in 3D
-        or Maxwell molecules in 2D.
+        If the restitution depends on the impact speed, or e < 1 and the kernel is neither hard spheres in 3D
+        nor Maxwell molecules in 2D.
     """
 
-    def __init__(self, scene: Scene, solver: Solver) -> None:
+    def __init__(self, scene: Scene, solver: SizedSolver) -> None:
         e = check_scene(scene)
         self.grid = grid = solver.grid(scene.dim)
         self._shape = grid.three_axis_shape
@@ -81,7 +84,7 @@ class CarlemanOperator:
         self._single.execute_backward()
 
     def _plan(self, threads: int) -> None:
-        """Divide the products, and give every thread its buffers and transforms."""
+        """Divide the products into shares, and give every thread its buffers and transforms."""
         self._shares = list(enumerate(split(len(self._filters.odd), SHARES)))
         self._gains = np.empty((len(self._shares), *self._shape))
         self._single = RealTransforms(self._shape)
@@ -110,7 +113,7 @@ class CarlemanOperator:
 
 
 class _FactorBuffers:
-    """What one thread needs: transforms of either factor."""
+    """Transforms of the two factors of a product, for one thread."""
 
     def __init__(self, shape: tuple[int, int, int]) -> None:
         self.of_l = RealTransforms(shape)

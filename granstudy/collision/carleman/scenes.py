@@ -1,4 +1,4 @@
-"""Which scenes the Carleman form can do, and how many products a direction they take."""
+"""Scenes that the Carleman form can model, and the number of products that they take."""
 
 import math
 
@@ -7,21 +7,21 @@ from granstudy.model.scene import Scene
 from granstudy.velocity.cartesian import VelocityGrid
 
 ELASTIC_PRODUCTS = 5
-"""For e = 1 and a B̃ that is not constant."""
+"""Products per direction at e = 1 where B̃ is not constant."""
 
 
 def is_separable(kernel: VHS, dim: int) -> bool:
-    """Whether B̃ ∝ |g|^{λ+2−d} is constant: hard spheres in 3D, Maxwell molecules in 2D."""
+    """Whether B̃ ∝ |g|^{λ+2−d} is constant: for hard spheres in 3D and Maxwell molecules in 2D it is."""
     return kernel.exponent == dim - 2
 
 
 def check_scene(scene: Scene) -> float:
-    """The scene's restitution, where method `carleman` can do the scene.
+    """The restitution of a scene that method `carleman` can model.
 
     Raises
     ------
     ValueError
-        For a restitution that depends on the impact speed, and for e < 1 where B̃ is not constant.
+        If the restitution depends on the impact speed, or e < 1 and B̃ is not constant.
     """
     e = scene.restitution
     if callable(e):
@@ -35,16 +35,22 @@ def check_scene(scene: Scene) -> float:
 
 
 def reach(grid: VelocityGrid) -> float:
-    """Largest |x| and |y|, r = (2L − R)/√2 = 0.854 R.
+    """Largest |x| and |y|: r = (2L − R)/√2 = 0.854 R.
 
-    Then |x + y| ≤ √2 r = 2L − R, so that no particle collides with the periodic image of one that is nearer
-    than R, and every pair nearer than r collides as it should.
+    Then |x + y| ≤ √2 r = 2L − R. No particle therefore collides with the periodic image of one nearer than R,
+    and every pair nearer than r collides as it should.
     """
     return float((2.0 * grid.L - grid.R) / math.sqrt(2.0))
 
 
 def product_count(scene: Scene, grid: VelocityGrid) -> int:
-    """About how many products a direction takes: one, or what the phase 2βρk·e of a displacement asks for."""
+    """Estimated number of products per direction.
+
+    scene                        products
+    B̃ constant, e = 1            1
+    B̃ constant, e < 1            more, the larger the phase 2βρk·e of a displacement
+    B̃ not constant, e = 1        `ELASTIC_PRODUCTS`
+    """
     e = check_scene(scene)
     if not is_separable(scene.kernel, scene.dim):
         return ELASTIC_PRODUCTS

@@ -4,15 +4,22 @@ With g = x + y, x = ½(g − |g|σ) ⊥ y = ½(g + |g|σ), the collision rule is
 
     ∫∫ B F dσ dg = ∫∫ B̃ δ(x·y) F dx dy,   B̃ = 2^{d−1} C_λ |g|^{λ+2−d},  |g|² = |x|² + |y|²
 
-(Carleman's coordinates, as in Mouhot & Pareschi, Math. Comp. 75, 1833 (2006)). With |x|, |y| < r in place of
-|g| < R, x = ρe and 2α = 1 − 2β, β = (1−e)/4, the gain weight of docs/method.md §2 becomes
+(Carleman's coordinates, as in Mouhot & Pareschi, Math. Comp. 75, 1833 (2006)). The truncation is |x|,
+|y| < r in place of |g| < R. With x = ρe, 2α = 1 − 2β and β = (1−e)/4, the gain weight of docs/method.md §2
+becomes
 
     G⁺(l,m) = ½∫ de K(2α l·e − 2β m·e, |m⊥|),   m⊥ = m − (m·e)e,   l, m in units π/L
     K(a,q)  = ∫_{−r}^{r} dρ |ρ|^{d−2} e^{iρa} ∫_{|y|<r, y⊥e} B̃ e^{iq·y} dy
 
-Where B̃ is constant, in 3D for hard spheres and in 2D for Maxwell molecules, K(a,q) = B̃ φ(a) ψ(q): Mouhot &
-Pareschi's case, at e = 1. Where it is not, K has a small numerical rank, and where β is small so has
-φ(2αa − 2βb): **beyond** the paper.
+Here the e of x = ρe, de, l·e and m·e is a unit vector, the e of (1−e)/4 the restitution. The weight is a
+sum of products in three cases. The first is that of Mouhot & Pareschi, the others are **beyond** the paper:
+
+    B̃               e        products
+    constant        1        one: K(a,q) = B̃ φ(a) ψ(q)
+    constant        below 1  few where β is small, as φ(2αa − 2βb) then has a small numerical rank
+    not constant    1        few, as K has a small numerical rank
+
+B̃ is constant for hard spheres in 3D and for Maxwell molecules in 2D.
 """
 
 from collections.abc import Callable
@@ -32,17 +39,19 @@ TOLERANCE = 1e-6
 """Error of a truncated sum of products, relative to the largest weight, where f̂ is not small."""
 
 EDGE = 1e-3
-"""What a density's spectrum is taken to have fallen to at the edge of the ball: errors count by a Gaussian
-in |l| and |m| that falls as far. Q is then within 3e-5 of that of untruncated sums on smooth densities."""
+"""Assumed size of a density's spectrum at the edge of the ball, relative to its largest value. Errors of
+the weight count by a Gaussian in |l| and |m| that falls as far. On smooth densities Q is then within 3e-5
+of the Q of untruncated sums."""
 
 Function = Callable[[np.ndarray], np.ndarray]
+"""One factor of a product, evaluated on an array of arguments ≥ 0."""
 
 
 @dataclass(frozen=True)
 class Product:
     """One term ``of_l(l·e) · of_m(m·e) · across(|m⊥|)`` of the gain weight.
 
-    ``odd`` tells whether ``of_l`` and ``of_m`` are odd functions; they are given for arguments ≥ 0.
+    The functions are given for arguments ≥ 0. ``odd`` says whether ``of_l`` and ``of_m`` are odd or even.
     """
 
     of_l: Function
@@ -68,25 +77,25 @@ def tangent(dim: int, r: float, q: np.ndarray) -> np.ndarray:
 
 
 def strength(kernel: VHS, dim: int) -> float:
-    """2^{d−1} C_λ: B̃ without its power of |g|."""
+    """2^{d−1} C_λ, the factor of B̃ before its power of |g|."""
     return float(2.0 ** (dim - 1) * kernel.strength)
 
 
 def kernel_weight(kernel: VHS, dim: int, r: float, a: np.ndarray, q: np.ndarray) -> np.ndarray:
     """K(a,q) for every pair of ``a`` (n,) and ``q`` (m,), exact to round-off.
 
-    In polar coordinates |x| = g cos θ, |y| = g sin θ the integrand is g^{d−1+λ} times a smooth even function
-    of g, on two triangles g < r/cos θ and g < r/sin θ.
+    In polar coordinates |x| = g cos θ, |y| = g sin θ the domain is two triangles, g < r/cos θ and
+    g < r/sin θ. The integrand there is g^{d−1+λ} times a smooth even function of g.
     """
     count = 24 + int(0.5 * r * max(np.max(a), np.max(q)))
     theta, w_theta = np.polynomial.legendre.leggauss(count)
     theta, w_theta = np.pi / 8 * (theta + 1), np.pi / 8 * w_theta
     radial = radial_rule(count, 1.0, "jacobi", dim - 1 + kernel.exponent)
-    # |x| and |y|, whichever is larger, at the nodes of one triangle
+    # The larger and the smaller of |x| and |y| at the nodes of one triangle.
     larger = r * np.broadcast_to(radial.points[:, None], (count, count)).ravel()
     smaller = (r * radial.points[:, None] * np.tan(theta)).ravel()
     g = (r * radial.points[:, None] / np.cos(theta)).ravel()
-    # dx dy = g dg dθ with dg = r ds/cos θ
+    # dx dy = g dg dθ with dg = r ds/cos θ, s the radial rule's variable on [0, 1].
     measure = np.outer(radial.weights, w_theta * r / np.cos(theta)).ravel() * g
     measure *= strength(kernel, dim) * g ** (kernel.exponent + 2 - dim)
     total = np.zeros((len(a), len(q)))
@@ -100,9 +109,9 @@ def kernel_weight(kernel: VHS, dim: int, r: float, a: np.ndarray, q: np.ndarray)
 
 
 def products(kernel: VHS, e: float, grid: VelocityGrid, largest: float) -> list[Product]:
-    """The gain weight as a sum of products, for |l|, |m| ≤ ``largest`` (in units of 1/velocity).
+    """The gain weight as a sum of products, for |l|, |m| ≤ ``largest`` in units of 1/velocity.
 
-    One where B̃ is constant and e = 1; else as many as `TOLERANCE` asks for.
+    Where B̃ is constant and e = 1 there is one product. Elsewhere `TOLERANCE` decides how many.
     """
     dim, r = grid.dim, reach(grid)
     if not is_separable(kernel, dim):
@@ -121,7 +130,7 @@ def products(kernel: VHS, e: float, grid: VelocityGrid, largest: float) -> list[
     for odd in (False, True):
 
         def weight(a: np.ndarray, b: np.ndarray, sign: int = -1 if odd else 1) -> np.ndarray:
-            """Even or odd part of B̃ φ(2αa − 2βb), in a and b alike."""
+            """Part of B̃ φ(2αa − 2βb) that is even, or odd, in both a and b."""
             a, b = two_alpha * a[:, None], (1.0 - two_alpha) * b
             return 0.5 * B * (normal(dim, r, a - b) + sign * normal(dim, r, a + b))
 
@@ -139,15 +148,17 @@ def sum_of_products(
 ) -> list[tuple[Function, Function]]:
     """Fewest u_j, v_j with s(a)s(b)|weight(a,b) − Σ_j u_j(a) v_j(b)| ≤ TOLERANCE · scale on [0, largest]².
 
-    s is the Gaussian of `EDGE`. By singular functions on Gauss–Legendre nodes, carried on from them by
-    u_j = weight·v_j/σ_j (Nyström).
+    s is the Gaussian of `EDGE`. The functions are singular functions of the weight on Gauss–Legendre nodes,
+    continued between the nodes by u_j = weight·v_j/σ_j (Nyström).
 
     Parameters
     ----------
     weight : callable
-        Matrix of the weight at (n,) by (m,) arguments, of ``bandwidth`` in both.
+        Matrix (n, m) of the weight at arguments a (n,) and b (m,).
+    bandwidth : float
+        Largest frequency of the weight in either argument.
     scale : float, optional
-        The largest weight; the one at the origin where it is not given.
+        The largest weight, by default the weight at the origin.
     """
     x, w = np.polynomial.legendre.leggauss(24 + int(bandwidth * largest))
     x, w = largest * (x + 1) / 2, largest * w / 2
@@ -155,7 +166,7 @@ def sum_of_products(
     left, sigma, right = np.linalg.svd(root[:, None] * weight(x, x) * root)
     if scale is None:
         scale = float(weight(np.zeros(1), np.zeros(1))[0, 0])
-    # what is left of the weight after each product, from the last one back
+    # The rest of the weight after each product, summed from the last product back.
     pieces = sigma[:, None, None] * left.T[:, :, None] * right[:, None, :]
     rest = np.cumsum(pieces[::-1], axis=0)[::-1] / np.sqrt(np.outer(w, w))
     rank = int(np.count_nonzero(np.max(np.abs(rest), axis=(1, 2)) > TOLERANCE * scale))
@@ -171,7 +182,7 @@ def _spline(points: np.ndarray, values: np.ndarray) -> BSpline:
 
 
 def loss_profile(terms: list[Product], grid: VelocityGrid, m: np.ndarray) -> np.ndarray:
-    """G⁻(m) = G⁺(−m, m) for magnitudes ``m``, with the integral over e to round-off."""
+    """G⁻(m) = G⁺(−m, m) at magnitudes ``m``, the integral over directions e exact to round-off."""
     nodes = 24 + int(reach(grid) * np.max(m))
     if grid.dim == 2:
         mu, w = (

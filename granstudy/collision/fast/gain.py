@@ -1,12 +1,13 @@
-"""The sum over nodes: real transforms, antipodal pairs, fused loops, threads.
+"""The gain as a sum over nodes: real transforms, antipodal pairs, fused loops, threads.
 
-Facts 1 to 4 of docs/method.md §2. For real f the nodes ±g share one transform pair, as f(v)f(v+g) is
-f(v)f(v−g) displaced by g, and the weight of both together is real up to the half-shift e^{i½k·g}:
+The sum rests on facts 1 to 4 of docs/method.md §2. For real f the nodes ±g share two transforms, as
+f(v)f(v+g) is f(v)f(v−g) displaced by g. The weight of a pair is real up to the half-shift e^{i½k·g}:
 
     Q̂⁺_k = |S|C_λ Σ_ρ w_ρ ρ^{d−1+λ} Σ_{±ĝ} w_ĝ e^{iπρ k·ĝ/2L} 2P(ρ,|k|,k·ĝ) FFT[f(v) f(v−ρĝ)]_k
 
-with P = mean(πρα|k|/L) cos(πρβ k·ĝ/L), β = (1−e)/4, for a constant restitution, and a series in (k̂·ĝ)²
-for one that depends on the impact speed.
+    restitution             P
+    constant e              mean(πρα|k|/L) cos(πρβ k·ĝ/L), β = (1−e)/4
+    law e(|g·ω|)            a series in (k̂·ĝ)² (`granstudy.collision.weights.pair_series`)
 """
 
 from collections.abc import Callable, Sequence
@@ -26,18 +27,21 @@ from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.sphere import sphere_mean
 
 SMALLEST_SHARE = 12
-"""Nodes below which a share of the sum is not worth its overhead."""
+"""Fewest nodes of a share that are worth its overhead."""
 
 
 class Gain(Protocol):
-    """Q̂⁺ of a real density on a grid, as a sum over nodes.
+    """The gain Q̂⁺ of a real density as a sum over nodes.
 
     Attributes
     ----------
+    grid : VelocityGrid
+        The grid of n points per dimension on which the products are formed.
+    nodes : Nodes
     shape : tuple of int
-        Of the densities it takes, (n, n', n), n' = 1 in two dimensions.
+        Shape (n, n', n) of the densities it takes, n' = n in 3D and 1 in 2D.
     transforms : int
-        Real transforms that the sum makes.
+        Real transforms that one sum makes.
     """
 
     grid: VelocityGrid
@@ -46,23 +50,26 @@ class Gain(Protocol):
     transforms: int
 
     def total(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
-        """The sum over all nodes, a half spectrum, of f and its half spectrum f̂."""
+        """The sum over all nodes, a half spectrum (n, n', n/2+1).
+
+        ``f`` has shape (n, n', n); ``f_hat`` is its half spectrum, Σ_k f̂_k e^{iπk·v/L} = f.
+        """
 
     def transform(self) -> None:
         """Make the transforms of one sum and nothing else, for benchmarks."""
 
 
 class GainSum:
-    """Q̂⁺ of a real density as a sum over given nodes, at two real transforms a node.
+    """The gain Q̂⁺ of a real density as a sum over nodes on threads, at two real transforms per node.
 
     Parameters
     ----------
     grid : VelocityGrid
         The grid on which the products are formed.
     shares : sequence of (start, stop), optional
-        Parts of the sum, by default about equal ones for threads.
+        Parts of the sum, by default `equal_shares`.
     precision : str
-        ``double``, or ``single`` for the nodes' transforms and loops; shells are added in double.
+        ``double``, or ``single`` for the nodes' transforms and loops. Shells are added in double precision.
     """
 
     def __init__(
@@ -93,7 +100,7 @@ class GainSum:
         )
 
     def parts(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
-        """The sum over each share, half spectra (shares, n, n', n/2+1), until the next call.
+        """The sum over each share, half spectra (shares, n, n', n/2+1). The next call overwrites them.
 
         ``f`` has shape (n, n', n); ``f_hat`` is its half spectrum, Σ_k f̂_k e^{iπk·v/L} = f.
         """
@@ -110,7 +117,7 @@ class GainSum:
         return self._gains
 
     def total(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
-        """The sum over all nodes, as `parts`."""
+        """The sum over all nodes, a half spectrum (n, n', n/2+1). The next call overwrites it."""
         parts = self.parts(f, f_hat)
         for part in parts[1:]:
             parts[0] += part
@@ -127,7 +134,7 @@ class GainSum:
         self._workers.map(transform_share, self.shares)
 
     def _choose_weight(self, scene: Scene, k2: np.ndarray) -> Callable[..., None]:
-        """The compiled sum with the pairs' weight 2P: closed for a constant restitution, else a series."""
+        """The compiled sum with the weight 2P of a constant restitution, or of a law."""
         nodes, grid = self.nodes, self.grid
         k = np.pi / grid.L * np.sqrt(k2)
         if callable(scene.restitution):
@@ -155,7 +162,7 @@ class GainSum:
         loops.sum_series(series, k2, radii, *self._share(part, work, gain))
 
     def _share(self, part: slice, work: "_PairBuffers", gain: np.ndarray) -> tuple[np.ndarray, ...]:
-        """What the sum over a part of the nodes takes, whatever their weight is."""
+        """Arguments of the sum over a part of the nodes that do not depend on the weight."""
         nodes, transforms = self.nodes, work.transforms
         return (
             *(self._f_re, self._f_im, self._f),
@@ -165,17 +172,17 @@ class GainSum:
 
 
 def shell_means(e: float, dim: int, nodes: Nodes, k: np.ndarray) -> np.ndarray:
-    """|S|C_λ w_ρ ρ^{d−1+λ} mean(ραk) of every shell at magnitudes k, shape (shells, k)."""
+    """|S|C_λ w_ρ ρ^{d−1+λ} mean(ραk) of every shell at magnitudes k, shape (shells, magnitudes)."""
     return nodes.measure[:, None] * sphere_mean(dim, float(alpha(e)) * nodes.radii[:, None] * k)
 
 
 def pair_shift(e: float) -> float:
-    """β = (1−e)/4: the gains of ±g are displaced by (½ ± β)g."""
+    """β = (1−e)/4: the gains of g and −g are displaced by (½ ± β)g."""
     return (1.0 - e) / 4.0
 
 
 def equal_shares(count: int) -> list[Bounds]:
-    """About equal parts of so many nodes, whatever the thread count: 8, or 4 or 2 of few nodes."""
+    """Shares of ``count`` nodes, whatever the thread count: 8, and of few nodes 4 or 2."""
     shares = SHARES
     while shares > 2 and count < shares * SMALLEST_SHARE:
         shares //= 2
@@ -183,7 +190,7 @@ def equal_shares(count: int) -> list[Bounds]:
 
 
 class _PairBuffers:
-    """What one thread needs: transforms, and the sum over the shell it is in."""
+    """Buffers of one thread: transforms of a pair's product, and the sum over the current shell."""
 
     def __init__(self, shape: tuple[int, int, int], precision: str) -> None:
         self.transforms = RealTransforms(shape, precision)

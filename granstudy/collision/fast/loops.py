@@ -1,9 +1,10 @@
 """Compiled loops of the fast operator: a share of the sum over nodes (docs/method.md §2).
 
-Spectra are stored as a real transform leaves them, (n, [n,] n/2+1), with all axes but the first as one.
-Phases e^{iπ k·x/L} are outer products of one-dimensional vectors, so no n^d phase array is formed, and
-the vectors are powers of one exponential. The loops take both precisions: phases are powers in double
-precision, and everything over the modes is in that of the spectra.
+Spectra are stored as a real transform leaves them, with all axes but the first as one: shape (n, m) of
+complex numbers or (n, 2m) of real and imaginary parts in turn, m = n'(n/2+1), n' = n in 3D and 1 in 2D.
+Phases e^{iπ k·x/L} are outer products of one-dimensional vectors, and the vectors are powers of one
+exponential: no array of n^d phases is formed. The loops take both precisions. Phases are computed in double
+precision, sums over modes in the precision of the spectra.
 """
 
 import numba
@@ -16,11 +17,11 @@ _compile = numba.njit(nogil=True, cache=True, fastmath={"contract", "nsz", "arcp
 
 @_compile
 def phase_vector(angle, n, re, im):
-    """Re + i·im = e^{i·angle·k} for the wavenumbers k of one dimension of n points, in FFT order.
+    """re + i·im = e^{i·angle·k} for the wavenumbers k of one dimension of n points, in FFT order.
 
-    ``re``, ``im``: (n,) for a full axis, (n/2+1,) for the one a real transform halves, (1,) for one
-    that is not there. The unpaired mode k = −n/2 takes the mean of its two signs, cos(angle·n/2), which
-    keeps real functions real.
+    The length of ``re`` and ``im`` says which axis it is: n for a full axis, n/2+1 for the axis that a real
+    transform halves, 1 for the axis that 2D lacks. The unpaired mode k = −n/2 takes the mean of its two
+    signs, cos(angle·n/2), which keeps real functions real.
     """
     re[0], im[0] = 1.0, 0.0
     if re.shape[0] == 1:
@@ -38,7 +39,7 @@ def phase_vector(angle, n, re, im):
 
 @_compile
 def phase_plane(gy, gz, scale, n, ny, re, im):
-    """Re + i·im = scale · e^{i(k_y g_y + k_z g_z)} over the modes (k_y, k_z), flattened."""
+    """re + i·im = scale · e^{i(k_y g_y + k_z g_z)} over the modes (k_y, k_z), flattened."""
     nz = n // 2 + 1
     yr, yi = np.empty(ny), np.empty(ny)
     zr, zi = np.empty(nz), np.empty(nz)
@@ -53,10 +54,9 @@ def phase_plane(gy, gz, scale, n, ny, re, im):
 
 @_compile
 def shift(f_re, f_im, g, out):
-    """Out = e^{−i k·g} f̂, the density displaced by g.
+    """out = e^{−i k·g} f̂, the spectrum of the density displaced by g.
 
-    ``f_re``, ``f_im`` (n, m), m = n'(n/2+1) with n' = n in three dimensions and 1 in two; ``g`` (3,) in
-    units L/π; ``out`` (n, 2m), real and imaginary parts in turn.
+    ``f_re``, ``f_im`` (n, m); ``g`` (3,) in units L/π; ``out`` (n, 2m), real and imaginary parts in turn.
     """
     n, m = f_re.shape
     ny = m // (n // 2 + 1)
@@ -66,7 +66,7 @@ def shift(f_re, f_im, g, out):
     phase_plane(-g[1], -g[2], 1.0, n, ny, pr, pi)
     for i in range(n):
         c, s = xr[i], xi[i]
-        # One long loop over split parts: what compilers turn into vector instructions.
+        # Compilers turn one long loop over separate real and imaginary parts into vector instructions.
         for q in range(m):
             phase_re = c * pr[q] - s * pi[q]
             phase_im = c * pi[q] + s * pr[q]
@@ -76,7 +76,7 @@ def shift(f_re, f_im, g, out):
 
 @_compile
 def multiply(density, f):
-    """Density *= f, rows (n n', n), of which those of the density are padded by an in-place transform."""
+    """density *= f over rows (n n', n). An in-place transform pads the rows of ``density``."""
     rows, n = f.shape
     for j in range(rows):
         for k in range(n):
@@ -85,7 +85,7 @@ def multiply(density, f):
 
 @_compile
 def subtract_loss(gain, f, lost, Q):
-    """Q = gain − f·lost, rows (n n', n), those of gain and lost padded as in `multiply`."""
+    """Q = gain − f·lost over rows (n n', n). Rows of ``gain`` and ``lost`` are padded as in `multiply`."""
     rows, n = f.shape
     for j in range(rows):
         for k in range(n):
@@ -94,7 +94,7 @@ def subtract_loss(gain, f, lost, Q):
 
 @_compile
 def product(f_re, f_im, f, g, parts, rows, plans):
-    """The transform of f(v) f(v−g), left in ``parts`` (n, 2m), whose memory as density is ``rows``."""
+    """parts = spectrum of f(v) f(v−g), shape (n, 2m). ``rows`` is the same memory as a density."""
     shift(f_re, f_im, g, parts)
     execute(plans, BACKWARD)
     multiply(rows, f)
@@ -119,14 +119,18 @@ def sum_pairs(
     plans,
     gain,
 ):
-    """Gain = the sum over antipodal pairs ±g for constant e.
+    """gain = sum over antipodal pairs ±g for a constant e.
 
     gain = Σ_shells mean(|k|²) Σ_pairs weight · e^{i½k·g} · 2cos(βk·g) · FFT[f(v) f(v−g)].
 
-    ``means`` (shells, distinct |k|²); ``sum_re``, ``sum_im`` (n, m), work space; ``f_re``, ``f_im`` (n, m)
-    and ``f`` (n n', n), the density's half spectrum and values; ``vectors`` g (B, 3) in units L/π;
-    ``weights``, ``shells`` (B,); ``place`` (n, m) of each mode's |k|² among the distinct ones; ``parts``,
-    ``rows``, ``plans`` of a thread's transforms; ``gain`` (n, 2m), real and imaginary parts in turn.
+        means                   (shells, distinct |k|²)
+        sum_re, sum_im          (n, m), buffers for the sum over a shell
+        f_re, f_im, f           (n, m) and (n n', n): the density's half spectrum and values
+        vectors                 (pairs, 3): g in units L/π
+        weights, shells         (pairs,)
+        place                   (n, m): place of a mode's |k|² among the distinct ones
+        parts, rows, plans      a thread's transforms
+        gain                    (n, 2m), real and imaginary parts in turn
     """
     gain[:] = 0.0
     last = len(vectors) - 1
@@ -161,10 +165,11 @@ def pair_weight(c0, s0, c1, s1, pr, pi, q):
 
 @_compile
 def add_pair(parts, g, weight, beta, opens, closes, mean, place, sum_re, sum_im, gain):
-    """Add a pair to its shell's sum, which ``opens`` from 0 and is added to ``gain`` where it ``closes``.
+    """Add a pair to the sum over its shell.
 
-    The cosine times the half-shift is e^{i(½+β)k·g} + e^{i(½−β)k·g}, two outer products. A shell with
-    one pair needs no sum.
+    A pair that ``opens`` its shell starts the sum from 0; one that ``closes`` it adds the sum to ``gain``.
+    A shell with one pair needs no sum. The cosine times the half-shift is e^{i(½+β)k·g} + e^{i(½−β)k·g}:
+    two outer products.
     """
     n, m = sum_re.shape
     ny = m // (n // 2 + 1)
@@ -175,7 +180,7 @@ def add_pair(parts, g, weight, beta, opens, closes, mean, place, sum_re, sum_im,
         phase_vector(factor * g[0], n, xr[s], xi[s])
         phase_plane(factor * g[1], factor * g[2], weight, n, ny, pr[s], pi[s])
     row_mean = np.empty(m, parts.dtype)
-    # Rows k_x and −k_x in turn: they have the same means.
+    # Rows k_x and −k_x follow each other, as they have the same means.
     for turn in range(n):
         i = (turn + 1) // 2 if turn % 2 == 1 else -(turn // 2) % n
         if closes and i <= n // 2:
@@ -205,7 +210,7 @@ def add_pair(parts, g, weight, beta, opens, closes, mean, place, sum_re, sum_im,
 
 @_compile
 def spread_means(mean, place, n, ny, row):
-    """Row (m,) = mean[place], gathered for k_y ≥ 0 and copied for k_y < 0."""
+    """row = mean[place], shape (m,): gathered for k_y ≥ 0, copied for k_y < 0."""
     nz = n // 2 + 1
     for j in range(ny):
         if j <= ny // 2:
@@ -220,11 +225,11 @@ def spread_means(mean, place, n, ny, row):
 def sum_series(
     series, k2, radii, f_re, f_im, f, vectors, weights, shells, place, parts, rows, plans, gain
 ):
-    """Gain = the sum over antipodal pairs ±g for e(|g·ω|): their weight is a series in (k̂·ĝ)².
+    """gain = sum over antipodal pairs ±g for a law e(|g·ω|), whose weight is a series in (k̂·ĝ)².
 
-    gain = Σ_pairs weight · e^{i½k·g} · 2Σ_n series[shell, |k|², n] T_n(2(k̂·ĝ)²−1) · FFT[f(v) f(v−g)], by
-    Clenshaw's recurrence. Shapes as in `sum_pairs`; ``k2`` holds the distinct |k|², ``radii`` the
-    shells' ρ in units L/π.
+    gain = Σ_pairs weight · e^{i½k·g} · 2Σ_n series[shell, |k|², n] T_n(2(k̂·ĝ)²−1) · FFT[f(v) f(v−g)].
+    Clenshaw's recurrence sums the series. Shapes are as in `sum_pairs`; ``k2`` holds the distinct |k|²,
+    ``radii`` the shells' ρ in units L/π.
     """
     n, m = place.shape
     nz = n // 2 + 1
@@ -239,7 +244,7 @@ def sum_series(
         phase_plane(0.5 * gy, 0.5 * gz, 2.0 * weights[b], n, ny, pr, pi)
         rho2 = radii[shells[b]] ** 2
         for i in range(n):
-            # An unpaired mode, whose sign is neither, counts as 0 in k·g: reflections hold exactly.
+            # An unpaired mode has no sign. It counts as 0 in k·g, so that reflections hold exactly.
             kx = i if i < nz - 1 else (0 if i == nz - 1 else i - n)
             for q in range(m):
                 j, k = q // nz, q % nz
@@ -262,7 +267,7 @@ def sum_series(
 
 @_compile
 def nodal_loss(displacements, weights, loss):
-    """Loss = Σ_pairs weight · 2cos(m·g): the loss at the same nodes as the gain, a multiplier (n, m)."""
+    """loss = Σ_pairs weight · 2cos(m·g): the multiplier (n, m) of the loss at the gain's nodes."""
     n, m = loss.shape
     ny = m // (n // 2 + 1)
     xr, xi = np.empty(n), np.empty(n)

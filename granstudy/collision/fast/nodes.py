@@ -13,16 +13,16 @@ from granstudy.velocity.cartesian import VelocityGrid
 
 @dataclass(frozen=True, eq=False)
 class Nodes:
-    """Σ_ρ measure_ρ Σ_{±g} weights_g φ(±g), shell after shell.
+    """Nodes and weights of the sum Σ_ρ measure_ρ Σ_{±g} weights_g φ(±g), shell after shell.
 
     Attributes
     ----------
     vectors : ndarray, shape (n, 3)
-        g in units L/π, so that phases are k·g; the second component is 0 in 2D.
+        g in units L/π, so that phases are k·g. In 2D the second component is 0.
     weights : ndarray, shape (n,)
-        Weight of g, and of −g.
+        Weight of g, which is also the weight of −g.
     shells : ndarray of int, shape (n,)
-        Which shell g lies on, not decreasing.
+        Number of the shell on which g lies, not decreasing.
     radii, measure : ndarray, shape (shells,)
         ρ, and |S^{d−1}| C_λ w_ρ ρ^{d−1+λ}.
     """
@@ -45,10 +45,11 @@ class Nodes:
 def place_nodes(
     scene: Scene, grid: VelocityGrid, radial: Rule, directions: Sequence[Rule | None]
 ) -> Nodes:
-    """Nodes with the directions of one rule a shell, None for a shell without any.
+    """Nodes on the shells of a radial rule, with one rule of directions per shell, or none.
 
-    Each rule holds one point of every pair ±ĝ with the weight of both. Which of them stands for the pair
-    is free but for aliasing; signs that balance, from point to point and from shell to shell, cancel it.
+    Each rule of directions holds one point of every pair ±ĝ, with the weight of both. Either point may
+    stand for its pair; the choice changes aliasing alone. Signs that balance from point to point and from
+    shell to shell cancel much of it.
     """
     axes = [0, 2] if grid.dim == 2 else [0, 1, 2]
     vectors, weights, shells = [np.zeros((0, 3))], [np.zeros(0)], [np.zeros(0, dtype=np.int64)]
@@ -70,7 +71,7 @@ def place_nodes(
 
 
 def balanced_signs(points: np.ndarray) -> np.ndarray:
-    """Signs ±1 that make the sum of the points small, chosen one after the other."""
+    """Signs ±1, chosen one after the other, that keep the sum of the points small."""
     signs = np.ones(len(points))
     total = np.zeros(points.shape[1])
     for i, point in enumerate(points):

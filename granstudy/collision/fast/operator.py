@@ -1,14 +1,16 @@
 """The fast operator: the gain as a sum over nodes, the loss as one convolution.
 
-The loss is one convolution in both variants, since a sum over nodes of displaced densities is a
-multiplier. Where the scene and the rule have a symmetry group H in common (docs/method.md §2, fact 6), one
-node r of each orbit under H and ±1 is evaluated, with the orbit's weight, and the sum is symmetrised:
+The loss is one convolution in both variants, as a sum over nodes of displaced densities is a multiplier.
+
+Symmetry saves nodes (docs/method.md §2, fact 6). Let H be the symmetry group that the scene and the rule
+have in common. One node r of each orbit under H and ±1 is evaluated, with the orbit's weight, and the sum
+is symmetrised:
 
     Q⁺ = (1/|H|) Σ_{h∈H} h·Σ_r w_r Q⁺_r
 
-For f that has the symmetry this equals, to round-off, the sum over all signed nodes h r, h ∈ H, each with
-w_r/|H|. It differs from the fast sum without H by aliasing alone: there each pair ±g is evaluated at one
-of its two nodes, here at r's images.
+For a density with the symmetry, Q⁺ equals to round-off the sum over all images ±h r, h ∈ H, each with the
+weight w_r/|H|. The fast sum without H differs from it by aliasing alone: each pair ±g is evaluated at one
+of its two nodes there, at the images of r here.
 """
 
 from collections.abc import Callable
@@ -24,12 +26,13 @@ from granstudy.collision.protocol import check_state
 from granstudy.collision.rules import directions, radial_nodes, reduce_directions
 from granstudy.collision.weights import loss_weight
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.model.solver import SizedSolver
 from granstudy.quadrature import half
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.symmetry import Symmetry
 
-MakeGain = Callable[[Scene, Solver, VelocityGrid, Nodes], Gain]
+MakeGain = Callable[[Scene, SizedSolver, VelocityGrid, Nodes], Gain]
+"""Makes the sum over nodes, on the CPU (`gain_sum`) or on another device."""
 
 
 class NodalOperator:
@@ -38,10 +41,11 @@ class NodalOperator:
     Parameters
     ----------
     gain : Gain
-        On ``grid``, on a smaller grid that holds the spectra of f and of Q, or on a larger one, where the
-        products do not wrap around the spectrum; those of the loss are then formed there as well.
+        The gain. Its grid may be ``grid``, a smaller grid that holds the spectra of f and of Q, or a larger
+        one, where the products do not wrap around the spectrum. On a larger grid the products of the loss
+        are formed as well.
     group : Symmetry
-        Under which the sum is symmetrised, and which densities must have.
+        Group under which the sum is symmetrised. Densities must have this symmetry.
     loss : ndarray, shape (N, N', N/2+1)
         G⁻ on the half spectrum of ``grid``.
     """
@@ -50,7 +54,7 @@ class NodalOperator:
         self.grid = grid
         self.gain = gain
         self.group = group
-        self._loss = loss.astype(np.complex128)  # as NumPy multiplies spectra fastest
+        self._loss = loss.astype(np.complex128)  # NumPy multiplies complex by complex fastest
         self._shape = grid.three_axis_shape
         self._single = RealTransforms(self._shape)
         self._lost = RealTransforms(self._shape)
@@ -76,7 +80,7 @@ class NodalOperator:
             loops.subtract_loss(
                 self._single.rows, f.reshape(rows), self._lost.rows, Q.reshape(rows)
             )
-        # The loss has the symmetry already; with it, round-off that has not stays as small as it is.
+        # The loss has the symmetry already. Symmetrised with the gain, its round-off has it too.
         return self.group.symmetrise(Q.reshape(self.grid.shape))
 
     def loss(self, f: np.ndarray) -> np.ndarray:
@@ -106,7 +110,7 @@ class NodalOperator:
         return np.asarray(self._single.spectrum * (1.0 / f.size))
 
     def _filter_loss(self, f_hat: np.ndarray) -> None:
-        """Make `_lost` the density that f is multiplied by in the loss."""
+        """Fill `_lost` with the density that the loss multiplies f by."""
         np.multiply(self._loss, f_hat, out=self._lost.spectrum)
         self._lost.execute_backward()
 
@@ -118,7 +122,7 @@ class NodalOperator:
         return resize(self.gain.total(self._inner.backward(f_hat), f_hat), self.grid.N)
 
     def _padded_spectrum(self, f_hat: np.ndarray) -> np.ndarray:
-        """Q̂ with all products on the gain's larger grid."""
+        """Q̂ with all products formed on the gain's larger grid."""
         n = self.gain.grid.N
         f_hat_n = resize(f_hat, n)
         f_n = self._inner.backward(f_hat_n)
@@ -126,13 +130,15 @@ class NodalOperator:
         return resize(self.gain.total(f_n, f_hat_n) - lost / f_n.size, self.grid.N)
 
 
-def gain_sum(scene: Scene, solver: Solver, grid: VelocityGrid, nodes: Nodes) -> GainSum:
-    """The sum over some nodes, on the solver's threads."""
+def gain_sum(scene: Scene, solver: SizedSolver, grid: VelocityGrid, nodes: Nodes) -> GainSum:
+    """The sum over ``nodes`` on the CPU, on the solver's threads and in its precision."""
     return GainSum(scene, grid, nodes, solver.thread_count, precision=solver.precision)
 
 
-def fast_operator(scene: Scene, solver: Solver, make_gain: MakeGain = gain_sum) -> NodalOperator:
-    """The operator with the solver's rule: N_rho shells of equally many directions."""
+def fast_operator(
+    scene: Scene, solver: SizedSolver, make_gain: MakeGain = gain_sum
+) -> NodalOperator:
+    """The operator with the solver's rule: N_rho shells, each with the same directions."""
     grid = solver.grid(scene.dim)
     radial, rule = radial_nodes(scene, solver), directions(scene, solver)
     group, reduced = reduce_directions(rule, scene.symmetry)
@@ -147,12 +153,12 @@ def fast_operator(scene: Scene, solver: Solver, make_gain: MakeGain = gain_sum) 
 
 
 def nodal_loss(grid: VelocityGrid, nodes: Nodes) -> np.ndarray:
-    """G⁻(m) by the gain's nodes, which keeps the mass to round-off (variant ``full``)."""
+    """G⁻(m) as a sum over the gain's nodes: the variant ``full``, which conserves mass to round-off."""
     loss = np.zeros(grid.half_spectrum_shape).reshape(grid.N, -1)
     loops.nodal_loss(nodes.vectors, nodes.weights * nodes.measure[nodes.shells], loss)
     return loss
 
 
 def spectrum_axes(grid: VelocityGrid, multiplier: np.ndarray) -> np.ndarray:
-    """A multiplier on the half spectrum with three axes, as the transforms have."""
+    """A multiplier on the half spectrum, reshaped to the three axes of the transforms."""
     return multiplier.reshape(grid.half_spectrum_shape)

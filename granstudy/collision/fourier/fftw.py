@@ -1,8 +1,7 @@
 """FFTW's real transforms of a buffer, planned here and executed by compiled loops.
 
-pyfftw executes a plan by a call of Python's, for which threads wait for each other's interpreter. FFTW, as
-pyfftw ships it, is called here by name from what Numba compiles, so that a thread sums its share of the
-nodes without one.
+pyfftw executes a plan through Python, so that threads wait for the interpreter. Compiled loops call the
+FFTW that pyfftw ships by name instead: a thread then sums its share of the nodes without the interpreter.
 """
 
 import ctypes
@@ -16,19 +15,20 @@ import pyfftw
 from numba.core import types
 
 FORWARD, BACKWARD, SINGLE, MADE = range(4)
-"""What an array of plans holds: two addresses, whether they are FFTW's of single precision, and how many
-transforms they have made."""
+"""Places in an array of plans: the addresses of the two plans, whether they are in single precision, and
+how many transforms they have made."""
 
 PREFIX = {np.dtype(np.float64): "fftw", np.dtype(np.float32): "fftwf"}
-"""Of the names of FFTW's functions."""
+"""First part of the names of FFTW's functions, by the precision of real numbers."""
 
 FLAGS = 64 | 1
-"""FFTW_ESTIMATE | FFTW_DESTROY_INPUT: the other planners give different bits from process to process, and
+"""FFTW_ESTIMATE | FFTW_DESTROY_INPUT. The other planners give different bits from process to process, and
 gain little."""
 
-_library = ctypes.PyDLL(pyfftw.pyfftw.__file__)  # keeps Python's lock: one thread at a time plans
+_library = ctypes.PyDLL(pyfftw.pyfftw.__file__)  # holds Python's lock: one thread at a time plans
 for _prefix in PREFIX.values():
-    getattr(_library, f"{_prefix}_make_planner_thread_safe")()  # for pyfftw plans without that lock
+    # pyfftw plans without Python's lock.
+    getattr(_library, f"{_prefix}_make_planner_thread_safe")()
     _execute = ctypes.cast(getattr(_library, f"{_prefix}_execute"), ctypes.c_void_p)
     llvmlite.binding.add_symbol(f"granstudy_{_prefix}_execute", _execute.value)
 
@@ -39,7 +39,7 @@ _execute_single = types.ExternalFunction("granstudy_fftwf_execute", _signature)
 
 @numba.njit(nogil=True, cache=True)
 def execute(plans, direction):
-    """Make a transform, `FORWARD` or `BACKWARD`, of the buffer that ``plans`` are of."""
+    """Make one transform, `FORWARD` or `BACKWARD`, of the buffer that ``plans`` were made for."""
     plans[MADE] += 1
     if plans[SINGLE]:
         _execute_single(plans[direction])
@@ -49,16 +49,16 @@ def execute(plans, direction):
 
 @numba.njit(nogil=True, cache=True)
 def alternate(first, first_direction, second, second_direction, count):
-    """Make so many pairs of transforms and nothing else, for benchmarks."""
+    """Make ``count`` pairs of transforms and nothing else, for benchmarks."""
     for _ in range(count):
         execute(first, first_direction)
         execute(second, second_direction)
 
 
 def plan_in_place(spectrum: np.ndarray, nz: int) -> np.ndarray:
-    """Plans of real transforms in place of a half spectrum (n, n', nz/2+1), of all axes longer than 1.
+    """Plans of real transforms in place, on the buffer of a half spectrum (n, n', nz/2+1).
 
-    The buffer has to live as long as they do.
+    All axes longer than 1 are transformed. The buffer must live as long as the plans.
     """
     real = spectrum.real.dtype
     half = spectrum.shape
@@ -75,7 +75,7 @@ def plan_in_place(spectrum: np.ndarray, nz: int) -> np.ndarray:
     ):
         make = getattr(_library, f"{PREFIX[real]}_plan_many_dft_{kind}")
         make.restype = ctypes.c_void_p
-        # One transform of these axes: strides 1, no distance between several.
+        # A single transform of these axes: strides 1, distance 0.
         plan = make(
             len(axes), points, 1, buffer, before, 1, 0, buffer, after, 1, 0, ctypes.c_uint(FLAGS)
         )

@@ -1,4 +1,8 @@
-"""Spectra on grids of another size, and their modes that aliasing does not reach."""
+"""Spectra of densities: transformed, resized to other grids, and reduced to the modes free of aliasing.
+
+Arrays have three axes in both dimensions: a density (N, N', N), a half spectrum (N, N', N/2+1), with N' = N
+in 3D and 1 in 2D.
+"""
 
 import itertools
 
@@ -6,32 +10,34 @@ import numpy as np
 import scipy.fft
 
 KEPT = 3 / 8
-"""Modes in parts of N that a difference between two quadratures is measured on. The products' spectrum
-wraps around into the others, differently for every choice of nodes (measured: leaving those out takes the
-difference of two converged quadratures from 3e-6 to 1e-7 of max|Q| for a density with T = 1, N = 32)."""
+"""Largest |k_i|, in parts of N, of the modes on which two quadratures are compared. The spectrum of the
+products wraps around into the higher modes, differently for every choice of nodes. Measured for T = 1 and
+N = 32: without the higher modes the difference of two converged quadratures falls from 3e-6 to 1e-7 of
+max|Q|."""
 
 
 def half_spectrum(f: np.ndarray) -> np.ndarray:
-    """Half spectrum (N, N', N/2+1) of a density (N, N', N): Σ_k f̂_k e^{iπk·v/L} = f."""
+    """Half spectrum of a density, normalised so that Σ_k f̂_k e^{iπk·v/L} = f."""
     return scipy.fft.rfftn(f, axes=long_axes(f), norm="forward")
 
 
 def density(f_hat: np.ndarray) -> np.ndarray:
-    """Density (N, N', N) with a half spectrum (N, N', N/2+1)."""
+    """Density with the half spectrum ``f_hat``."""
     axes = long_axes(f_hat)
     return scipy.fft.irfftn(f_hat, s=(len(f_hat),) * len(axes), axes=axes, norm="forward")
 
 
 def long_axes(array: np.ndarray) -> tuple[int, ...]:
-    """The axes to transform of a density or half spectrum with three axes: not the second in 2D."""
+    """The axes that a transform runs over: all three, and in 2D the first and the last."""
     return (0, 1, 2) if array.shape[1] > 1 else (0, 2)
 
 
 def resize(f_hat: np.ndarray, n: int) -> np.ndarray:
-    """Spectrum of the same function on n points a dimension, from a half spectrum (N, N', N/2+1).
+    """Half spectrum of the same function on n points per dimension.
 
-    A smaller grid drops the modes |k_i| ≥ n/2, a larger one has none there. Both grids' nodes are cell
-    centres, so that the mode k turns by e^{iπk(1/n − 1/N)}. Unpaired modes k_i = −N/2 are dropped.
+    A smaller grid drops the modes |k_i| ≥ n/2; a larger one is 0 in its new modes. Unpaired modes
+    k_i = −N/2 are dropped. The nodes of both grids are cell centres, so that the mode k turns by
+    e^{iπk(1/n − 1/N)}.
     """
     N, ny, _ = f_hat.shape
     if n == N:
@@ -48,15 +54,17 @@ def resize(f_hat: np.ndarray, n: int) -> np.ndarray:
 
 
 def serial_transforms(N: int, n: int) -> int:
-    """Transforms of `fast` beside those of its nodes, with products on n points a dimension.
+    """Transforms that `fast` makes once per call, with products on n points per dimension.
 
-    Of f, of the loss, and back; one more between the grids where n < N; two where n > N.
+    n = N    3: of f, of the loss, and back
+    n < N    4: one more between the grids
+    n > N    5: two more between the grids
     """
     return 3 if n == N else 4 if n < N else 5
 
 
 def unaliased(f_hat: np.ndarray) -> np.ndarray:
-    """The modes |k_i| ≤ `KEPT`·N of a half spectrum (N, N', N/2+1), the others zero."""
+    """The half spectrum with the modes set to zero that have a component |k_i| > `KEPT`·N."""
     N, ny, _ = f_hat.shape
     k = np.abs(np.fft.fftfreq(N, 1 / N)) <= KEPT * N
     y = k if ny > 1 else np.ones(1, dtype=bool)

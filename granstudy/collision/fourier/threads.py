@@ -1,4 +1,4 @@
-"""Threads that each have a workspace: a sum over nodes whose result knows no thread count."""
+"""A sum over nodes in shares, computed by threads, with a result that does not depend on their number."""
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
@@ -13,12 +13,12 @@ Bounds = tuple[int, int]
 """Where a share of a sum over nodes starts, and where it stops."""
 
 SHARES = 8
-"""A sum over nodes is split in this many parts, added up in order whatever the thread count, so that
-results do not depend on it."""
+"""Most shares of a sum over nodes. They are added up in order, whatever the thread count, so that results
+do not depend on it."""
 
 
 class Workers(Generic[Workspace]):
-    """The caller's thread and a pool of others, with a workspace (buffers, planned transforms) for each."""
+    """The caller's thread and a pool of others, each with a workspace: buffers and planned transforms."""
 
     def __init__(self, threads: int, make_workspace: Callable[[], Workspace]) -> None:
         self._workspaces = [make_workspace() for _ in range(min(threads, SHARES))]
@@ -27,7 +27,7 @@ class Workers(Generic[Workspace]):
     def map(
         self, work: Callable[[Share, Workspace], Result], shares: Sequence[Share]
     ) -> list[Result]:
-        """``work(share, workspace)`` of every share, in their order; whoever is free takes the next."""
+        """``work(share, workspace)`` of every share, in order. A free thread takes the next share."""
         waiting = iter(enumerate(shares))
         results: dict[int, Result] = {}
 
@@ -35,7 +35,7 @@ class Workers(Generic[Workspace]):
             for index, share in waiting:
                 results[index] = work(share, workspace)
 
-        # Each in a copy of the caller's context, which says what NumPy does about overflow.
+        # A copy of the caller's context for each: it says what NumPy does about overflow.
         others = [
             self._pool.submit(copy_context().run, take_shares, workspace)
             for workspace in self._workspaces[1 : len(shares)]
@@ -50,6 +50,6 @@ class Workers(Generic[Workspace]):
 
 
 def split(count: int, parts: int) -> list[Bounds]:
-    """At most so many shares of ``count`` nodes: equal ones, but the last may be smaller."""
+    """At most ``parts`` shares of ``count`` nodes, of equal size; the last may be smaller."""
     size = max(1, -(-count // parts))
     return [(start, min(start + size, count)) for start in range(0, count, size)]

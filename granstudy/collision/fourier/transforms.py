@@ -8,34 +8,35 @@ import pyfftw
 from granstudy.collision.fourier import fftw
 
 REAL: dict[str, np.dtype[Any]] = {"double": np.dtype(np.float64), "single": np.dtype(np.float32)}
-"""Real numbers of each precision (`Solver.precision`)."""
+"""Type of real numbers for each precision (`Solver.precision`)."""
 
 CACHE_LINE = 64
-"""Bytes."""
+"""Size of a cache line in bytes."""
 
 
 def aligned_zeros(shape: tuple[int, ...], dtype: Any) -> np.ndarray:
-    """Zeros whose first lies at the start of a cache line: vector loads then cross none."""
+    """Zeros that begin at the start of a cache line, so that no vector load crosses two lines."""
     return np.asarray(pyfftw.zeros_aligned(shape, dtype=dtype, n=CACHE_LINE))
 
 
 class RealTransforms:
-    """Real transforms of a density in place, planned once on an aligned buffer.
+    """Real transforms in place, unnormalised, planned once on an aligned buffer.
 
-    In place, a transform of 32³ points stays in a core's cache. Unnormalised. Arrays have three axes in
-    both dimensions, the second of length 1 in 2D.
+    In place, a transform of 32³ points stays in a core's cache. Arrays have three axes in both dimensions;
+    in 2D the second has length 1. Four arrays share the buffer:
 
     Attributes
     ----------
     spectrum : complex ndarray, shape (n, n', n/2+1)
+        The half spectrum.
     parts : real ndarray, shape (n, 2 n' (n/2+1))
-        The same memory, real and imaginary parts in turn, all axes but the first as one.
+        Its real and imaginary parts in turn, all axes but the first as one.
     density : real ndarray, shape (n, n', n)
-        The same memory, rows padded.
+        The density, whose rows are padded.
     rows : real ndarray, shape (n n', 2 (n/2+1))
-        The same memory, all rows with their padding.
+        The density's rows with their padding.
     plans : ndarray
-        Of both transforms, for compiled loops (`granstudy.collision.fourier.fftw`).
+        Plans of both transforms, for compiled loops (`granstudy.collision.fourier.fftw`).
     """
 
     def __init__(self, shape: tuple[int, int, int], precision: str = "double") -> None:
@@ -50,7 +51,7 @@ class RealTransforms:
 
     @property
     def made(self) -> int:
-        """How many transforms have been made."""
+        """Number of transforms made so far."""
         return int(self.plans[fftw.MADE])
 
     def execute_forward(self) -> None:
@@ -62,13 +63,13 @@ class RealTransforms:
         fftw.execute(self.plans, fftw.BACKWARD)
 
     def forward(self, density: np.ndarray) -> np.ndarray:
-        """Transform one density; the result is a copy."""
+        """Spectrum of ``density``, as a copy."""
         self.density[...] = density
         self.execute_forward()
         return self.spectrum.copy()
 
     def backward(self, spectrum: np.ndarray) -> np.ndarray:
-        """Transform one spectrum; the result is a copy."""
+        """Density of ``spectrum``, as a copy."""
         self.spectrum[...] = spectrum
         self.execute_backward()
         return self.density.copy()

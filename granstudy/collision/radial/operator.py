@@ -1,4 +1,4 @@
-"""The radial operator: isotropic densities, Q(f,f)(r_i) = Σ_{j≤l} T[jl, i] f_j f_l (docs/method.md §7)."""
+"""The radial operator for isotropic densities: Q(f,f)(r_i) = Σ_{j≤l} T[jl, i] f_j f_l (docs/method.md §7)."""
 
 from functools import cache
 from importlib.metadata import version
@@ -10,26 +10,26 @@ from granstudy.collision.protocol import check_state
 from granstudy.collision.radial.tensor import unit_tensor
 from granstudy.model.isotropy import check_isotropic
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.model.solver import SizedSolver
 from granstudy.support.cache import cached_array
 from granstudy.support.fingerprint import fingerprint
 from granstudy.velocity.radial import RadialGrid
 
 LIBRARIES = ("numpy", "scipy")
-"""What the tensor is computed with."""
+"""Libraries that the tensor is computed with: another version may give other digits."""
 
 
 class RadialOperator:
     """Q(f,f) of isotropic densities with u = 0, on the solver's N radial nodes.
 
-    No quadrature but one to round-off: it converges spectrally in N to the truncated operator, as `direct`
-    does, at N³/2 multiplications a call. The tensor is computed once for each (d, N, λ, e) and
-    kept on disk (`granstudy.support.cache`).
+    All integrals are computed to round-off. Q therefore converges spectrally in N to the truncated
+    operator, as with `direct`, at N³/2 multiplications per call. The tensor is computed once for each
+    (d, N, λ, e) and kept on disk (`granstudy.support.cache`).
     """
 
     transforms = 0
 
-    def __init__(self, scene: Scene, solver: Solver) -> None:
+    def __init__(self, scene: Scene, solver: SizedSolver) -> None:
         check_isotropic(scene, solver.R)
         assert not callable(scene.restitution)
         self.grid = grid = RadialGrid(scene.dim, solver.N, solver.R)
@@ -41,18 +41,18 @@ class RadialOperator:
         self.tensor = scene.kernel.strength * grid.R ** (grid.dim + exponent) * unit
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
-        """Q(f,f) at the nodes, of a real density there."""
+        """Q(f,f) at the nodes, from a real density at the nodes."""
         check_state(f, self.grid)
         if np.iscomplexobj(f):
             raise ValueError(f"density has type {f.dtype}: method 'radial' takes real densities")
         return bilinear(self.tensor, np.ascontiguousarray(f, dtype=np.float64))
 
     def transform(self) -> None:
-        """Make the transforms of one call and nothing else: there are none."""
+        """Make the transforms of one call, for benchmarks: a call has none."""
 
 
 def tensor_name(dim: int, N: int, exponent: float, restitution: float) -> str:
-    """All that `unit_tensor` depends on: its parameters, its code and the libraries it computes with."""
+    """Name in the cache: the parameters of `unit_tensor`, its code, and versions of `LIBRARIES`."""
     parameters = f"{dim}d-N{N}-exponent{exponent!r}-e{restitution!r}"
     return f"radial-{parameters}-{_code()}"
 

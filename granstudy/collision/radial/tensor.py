@@ -21,17 +21,18 @@ def unit_tensor(
 ) -> np.ndarray:
     """T of Q(f,f)(r_i) = Σ_{j≤l} T[jl, i] f_j f_l for R = 1 and C_λ = 1.
 
-    By dimension T(R, C_λ) = C_λ R^{d+λ} T, so that one array serves every R and every strength.
+    For any R and C_λ the tensor is C_λ R^{d+λ} T: one array serves every box and every strength of the
+    kernel.
 
     Returns
     -------
     ndarray, shape (N(N+1)/2, N)
-        A row for every pair j ≤ l, in the order of ``numpy.triu_indices(N)``; the rows of j < l hold
-        the sum of both orders.
+        A row for every pair j ≤ l, in the order of ``numpy.triu_indices(N)``. A row with j < l holds the
+        sum of both orders.
     """
     grid = RadialGrid(dim, N, R=1.0)
     C = mode_tensor(grid, exponent, restitution, threads)
-    # From coefficients c_n, c_m of the two densities to their values: c = analysis · f.
+    # From the coefficients c_n, c_m of two densities to their values f_j, f_l: c = analysis · f.
     T = np.tensordot(grid.analysis, C, axes=(0, 0))  # (j, m, i)
     T = np.tensordot(grid.analysis, T, axes=(0, 1))  # (l, j, i)
     T -= mass_correction(grid, T)
@@ -44,14 +45,14 @@ def unit_tensor(
 def mode_tensor(
     grid: RadialGrid, exponent: float, restitution: float, threads: int = 1
 ) -> np.ndarray:
-    """C[n, m, i] = ½[q_nm + q_mn](r_i), Q of the pair of modes M(k_n|v|), M(k_m|v|) at the nodes.
+    """C[n, m, i] = ½[q_nm + q_mn](r_i): Q at the nodes for the pair of modes M(k_n|v|), M(k_m|v|).
 
-    With l and m two wavevectors of lengths k_n, k_m at an angle of cosine μ, k = |l+m| and the weight G of
-    docs/method.md §2,
+    l and m are two wavevectors of lengths k_n and k_m, μ is the cosine of their angle, k = |l+m|. With the
+    weight G = G⁺ − G⁻ of docs/method.md §2,
 
-        q_nm(r) = ⟨G(l,m) M(k r)⟩_μ,   G⁺ = |S|² ∫_0^R ρ^{d−1+λ} M(αkρ) M(|m−α(l+m)|ρ) dρ,
-        G⁻ = |S|² ∫_0^R ρ^{d−1+λ} M(|m|ρ) dρ,   k² = l²+m²+2lmμ,
-        |m−α(l+m)|² = (1−α)m² + αl² − α(1−α)k².
+        q_nm(r) = ⟨G(l,m) M(k r)⟩_μ,
+        G⁺ = |S|² ∫_0^R ρ^{d−1+λ} M(αkρ) M(|m−α(l+m)|ρ) dρ,   G⁻ = |S|² ∫_0^R ρ^{d−1+λ} M(|m|ρ) dρ,
+        k² = l²+m²+2lmμ,   |m−α(l+m)|² = (1−α)m² + αl² − α(1−α)k².
 
     Shape (N, N, N).
     """
@@ -74,7 +75,7 @@ def mode_products(grid: RadialGrid, n: int, exponent: float, restitution: float)
     k2 = l**2 + m**2 + 2.0 * l * m * mu  # (m, μ)
     k = np.sqrt(np.maximum(k2, 0.0))
     shift = a * (1.0 - a) * k2
-    # |m−αk| and, with the two modes exchanged, |l−αk|.
+    # |m−α(l+m)| and, with the two modes exchanged, |l−α(l+m)|.
     s_m = np.sqrt(np.maximum((1.0 - a) * m**2 + a * l**2 - shift, 0.0))
     s_l = np.sqrt(np.maximum((1.0 - a) * l**2 + a * m**2 - shift, 0.0))
 
@@ -89,9 +90,10 @@ def mode_products(grid: RadialGrid, n: int, exponent: float, restitution: float)
 
 
 def shell_rule(grid: RadialGrid, exponent: float) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes ρ and weights |S|² w_ρ ρ^{d−1+λ} so fine that G is exact to round-off.
+    """Nodes ρ and weights |S|² w_ρ ρ^{d−1+λ}, so many that G is exact to round-off.
 
-    The integrand's phase reaches R(αk + |m−αk|) ≤ 2Rk_N; a Gauss rule in ρ² takes a quarter of it.
+    The integrand's phase reaches R(αk + |m−α(l+m)|) ≤ 2Rk_N. A Gauss rule in ρ² needs a quarter as many
+    nodes.
     """
     power = grid.dim - 1 + exponent
     count = SPARE_NODES + int(0.5 * grid.R * grid.wavenumbers[-1] * 1.1)
@@ -100,10 +102,10 @@ def shell_rule(grid: RadialGrid, exponent: float) -> tuple[np.ndarray, np.ndarra
 
 
 def angle_rule(grid: RadialGrid, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Cosines μ and weights of the mean over the angle of two wavevectors, the shorter one of k_n.
+    """Cosines μ and weights of the mean over the angle of two wavevectors, the shorter one of length k_n.
 
-    In θ = arccos μ the integrand's phase rk + R(αk + |m−αk|) changes by at most (L + R) k_n; Gauss rules
-    need half as many nodes. Gauss–Legendre in 3D, Gauss–Chebyshev in 2D.
+    The rule is Gauss–Legendre in 3D, Gauss–Chebyshev in 2D. In θ = arccos μ the integrand's phase
+    rk + R(αk + |m−α(l+m)|) changes by at most (L + R) k_n. Gauss rules need half as many nodes.
     """
     count = SPARE_NODES + int(0.5 * (grid.L + grid.R) * grid.wavenumbers[n] * 1.1)
     if grid.dim == 3:
@@ -114,10 +116,10 @@ def angle_rule(grid: RadialGrid, n: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def mass_correction(grid: RadialGrid, T: np.ndarray) -> np.ndarray:
-    """The part of T[.., i] along the lowest mode that holds all of its mass Σ_i w_i T[.., i].
+    """The multiple of the lowest mode that has the mass Σ_i w_i T[.., i] of T[.., i].
 
-    What is lost or gained without it are the tails of f at r = L and their images beyond; with it
-    Σ_i w_i Q_i vanishes to round-off for every f.
+    Without the correction mass is lost or gained through the tails of f at r = L and their images beyond.
+    With it Σ_i w_i Q_i vanishes to round-off for every f.
     """
     lowest = sphere_mean(grid.dim, grid.wavenumbers[0] * grid.nodes)
     return np.multiply.outer(T @ grid.weights, lowest / (grid.weights @ lowest))

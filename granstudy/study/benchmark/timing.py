@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from granstudy.collision import collision_operator
+from granstudy.collision.operator import collision_operator
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 
@@ -50,8 +50,8 @@ def _repeats(taken: Sequence[float]) -> int:
 def peak_memory_mb(scene: Scene, solver: Solver) -> float:
     """Peak memory of planning and one evaluation in a process of its own, in MB.
 
-    Beyond what that process held after one evaluation at N = 4: the interpreter, the libraries and the
-    compiled loops.
+    What that process held after one evaluation at N = 4 does not count: the interpreter, the libraries and
+    the compiled loops.
     """
     # A plain command: multiprocessing would import the calling script again.
     command = [
@@ -74,7 +74,7 @@ def report_peak() -> None:
         operator(scene.density(operator.grid))
         return _peak_kilobytes()
 
-    small = replace(solver, N=4, rtol=None if solver.method == "fast" else solver.rtol)
+    small = replace(solver, N=4, rtol=None)  # which a tolerance could not be reached with
     before = evaluate(small)
     print((evaluate(solver) - before) / 1024)
 

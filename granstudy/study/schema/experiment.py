@@ -1,14 +1,14 @@
-"""One experiment of a study file: runs of one kind, swept."""
+"""One experiment of a study file: runs of one kind, swept. A class a kind, told apart by ``run``."""
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
 from granstudy.datasets.parameters import SWEPT
+from granstudy.study.schema.generated import Section
 from granstudy.study.schema.sections import (
     SceneFields,
     SceneModel,
-    Section,
     SolverModel,
     TimeFields,
     TimeModel,
@@ -67,7 +67,7 @@ class AverageModel(Section):
     """Moments of particles averaged over time, once a gas no longer changes but for its scale."""
 
     start: Annotated[float, Field(ge=0.0, description="time from which on")]
-    of: Annotated[list[str], Field(min_length=1, description="temperature, a2")] = ["a2"]
+    of: list[str] = Field(["a2"], min_length=1, description="temperature, a2")
 
 
 class TableModel(Section):
@@ -81,17 +81,26 @@ class TableModel(Section):
         ),
     ]
     paper: Annotated[str | None, Field(description="reference file of printed values")] = None
+
+
+class EvolutionTableModel(TableModel):
+    """Which number of every evolution goes into the table."""
+
     average: Annotated[
         AverageModel | None,
         Field(description="of method dsmc: averages over time in place of values at its end"),
     ] = None
-    beside: Annotated[
-        list[str],
-        Field(description="for states: other experiments, whose a2 (and T) stand beside theirs"),
-    ] = []
     seconds: Annotated[
         bool, Field(description="beside a truth: how long every run took, which a front needs")
     ] = False
+
+
+class StateTableModel(TableModel):
+    """Which number of every state goes into the table, and what stands beside it."""
+
+    beside: list[str] = Field(
+        [], description="other experiments, whose a2 (and T) stand beside those of the states"
+    )
 
 
 class FitModel(Section):
@@ -107,35 +116,21 @@ class FigureModel(Section):
     kind: Literal["convergence", "cooling", "speed", "front", "slope", "states", "gallery"]
     x: Annotated[str | None, Field(description="the parameter on the abscissa")] = None
     title: Annotated[str | None, Field(description="default: the experiment's")] = None
-    beside: Annotated[
-        list[str],
-        Field(description="for a front or states: other experiments, panels beside this one's"),
-    ] = []
+    beside: list[str] = Field(
+        [], description="for a front or states: other experiments, panels beside this one's"
+    )
 
 
-class Experiment(Section):
-    """Runs of one kind: a scene and a solver, swept."""
+class ExperimentBase(Section):
+    """What experiments of every kind have: a scene and a solver, swept."""
+
+    same_parameters: ClassVar[bool] = True
+    """Whether all blocks of the sweep must set the same parameters."""
 
     title: str
-    run: Literal["evolution", "collision", "benchmark", "state"]
-    state: Annotated[
-        Literal["cooling", "heated"] | None, Field(description="which state; state runs need it")
-    ] = None
+    run: str
     scene: SceneModel
     solver: SolverModel = SolverModel()
-    time: TimeModel | None = None
-    reference: Annotated[
-        SolverModel | None,
-        Field(
-            description="the solver that errors are measured against; collisions need it, "
-            "benchmarks may have it"
-        ),
-    ] = None
-    truth: Annotated[
-        TruthModel | None,
-        Field(description="what T and a2 of an evolution's runs are held against"),
-    ] = None
-    timing: TimingModel | None = None
     threads: Annotated[int, Field(ge=1, description="cores a run takes")] = 1
     sweep: Annotated[
         list[dict[str, Value | list[Value]]],
@@ -145,42 +140,112 @@ class Experiment(Section):
     fit: FitModel | None = None
     figure: FigureModel | None = None
 
+    @property
+    def has_truth(self) -> bool:
+        """Whether its runs are held against a truth."""
+        return False
+
+    @property
+    def computes(self) -> str:
+        """What a run computes, in words."""
+        return self.run
+
+    @property
+    def beside_table(self) -> list[str]:
+        """Other experiments whose numbers stand in this one's table."""
+        return []
+
+    @property
+    def beside_figure(self) -> list[str]:
+        """Other experiments that this one's figure shows."""
+        return [] if self.figure is None else self.figure.beside
+
     @model_validator(mode="after")
-    def _fits_together(self) -> "Experiment":
-        if (self.run == "evolution") != (self.time is not None):
-            raise ValueError("time: evolution runs need it, others do not take it")
-        if (self.run == "state") != (self.state is not None):
-            raise ValueError("state: state runs need it, cooling or heated; others do not take it")
-        if self.run != "benchmark" and (self.run == "collision") != (self.reference is not None):
-            raise ValueError(
-                "reference: collision runs need it, evolution and state runs do not take it"
-            )
-        if self.truth is not None and self.run != "evolution":
-            raise ValueError("truth: only evolution runs take it")
-        if self.table is not None and self.table.seconds and self.truth is None:
-            raise ValueError("table.seconds: stands beside errors of runs with a truth; give one")
-        if self.figure is not None and self.figure.kind == "gallery" and self.truth is None:
-            raise ValueError("figure.kind: a gallery shows runs beside their truth; give one")
-        if self.timing is not None and self.run != "benchmark":
-            raise ValueError("timing: only benchmarks take it")
-        if self.table is not None and self.table.beside and self.run != "state":
-            raise ValueError("table.beside: only state runs take it")
-        if self.table is not None and self.table.average and self.run != "evolution":
-            raise ValueError("table.average: only evolution runs take it")
+    def _sweeps_parameters(self) -> "ExperimentBase":
+        keys = [tuple(k for k in SWEPT if k in block) for block in self.sweep]
+        for key in (key for block in self.sweep for key in block):
+            if key not in SWEPT:
+                raise ValueError(
+                    f"sweep: unknown parameter {key!r}{nearest(key, SWEPT)}: "
+                    f"allowed are {', '.join(SWEPT)}"
+                )
+            if key in TimeModel.model_fields and "time" not in type(self).model_fields:
+                raise ValueError(f"sweep: {key!r} is of times, which only evolution runs have")
+        if len(set(keys)) > 1 and self.same_parameters:
+            raise ValueError(f"sweep: all blocks must set the same parameters, got {keys}")
         return self
 
     @model_validator(mode="after")
-    def _sweeps_parameters(self) -> "Experiment":
-        keys = [tuple(k for k in SWEPT if k in block) for block in self.sweep]
-        for block in self.sweep:
-            for key in block:
-                if key not in SWEPT:
-                    raise ValueError(
-                        f"sweep: unknown parameter {key!r}{nearest(key, SWEPT)}: "
-                        f"allowed are {', '.join(SWEPT)}"
-                    )
-                if self.time is None and key in TimeModel.model_fields:
-                    raise ValueError(f"sweep: {key!r} is of times, which only evolution runs have")
-        if len(set(keys)) > 1 and self.run != "benchmark":
-            raise ValueError(f"sweep: all blocks must set the same parameters, got {keys}")
+    def _shows_a_truth_it_has(self) -> "ExperimentBase":
+        if self.figure is not None and self.figure.kind == "gallery" and not self.has_truth:
+            raise ValueError("figure.kind: a gallery shows runs beside their truth; give one")
         return self
+
+
+class EvolutionExperiment(ExperimentBase):
+    """Runs that advance the scene's density through time."""
+
+    run: Literal["evolution"]
+    time: TimeModel
+    truth: Annotated[
+        TruthModel | None,
+        Field(description="what T and a2 of the runs are held against"),
+    ] = None
+    table: EvolutionTableModel | None = None
+
+    @property
+    def has_truth(self) -> bool:
+        """Whether its runs are held against a truth."""
+        return self.truth is not None
+
+    @model_validator(mode="after")
+    def _times_beside_a_truth(self) -> "EvolutionExperiment":
+        if self.table is not None and self.table.seconds and self.truth is None:
+            raise ValueError("table.seconds: stands beside errors of runs with a truth; give one")
+        return self
+
+
+class CollisionExperiment(ExperimentBase):
+    """Runs that evaluate Q once, on the scene's initial density."""
+
+    run: Literal["collision"]
+    reference: Annotated[
+        SolverModel, Field(description="the solver that errors are measured against")
+    ]
+
+
+class BenchmarkExperiment(ExperimentBase):
+    """Evaluations of Q that are timed in turn."""
+
+    same_parameters: ClassVar[bool] = False
+
+    run: Literal["benchmark"]
+    reference: Annotated[
+        SolverModel | None, Field(description="the solver that errors are measured against")
+    ] = None
+    timing: TimingModel = TimingModel()
+
+
+class StateExperiment(ExperimentBase):
+    """Runs that solve for the state that the gas approaches."""
+
+    run: Literal["state"]
+    state: Annotated[Literal["cooling", "heated"], Field(description="which state")]
+    table: StateTableModel | None = None
+
+    @property
+    def computes(self) -> str:
+        """What a run computes, in words."""
+        return f"{self.state} state"
+
+    @property
+    def beside_table(self) -> list[str]:
+        """Other experiments whose numbers stand in this one's table."""
+        return [] if self.table is None else self.table.beside
+
+
+Experiment = Annotated[
+    EvolutionExperiment | CollisionExperiment | BenchmarkExperiment | StateExperiment,
+    Field(discriminator="run"),
+]
+"""Runs of one kind, swept."""

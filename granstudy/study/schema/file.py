@@ -1,30 +1,15 @@
-"""Study files: the typed model of their YAML, and one clear line for each thing wrong in one."""
+"""Study files: the typed model of their YAML, how one is read, and its JSON schema."""
 
 import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import yaml
-from pydantic import BaseModel, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
-from granstudy.study.schema.experiment import (
-    AverageModel,
-    Experiment,
-    FigureModel,
-    FitModel,
-    TableModel,
-    TimingModel,
-    TruthModel,
-)
-from granstudy.study.schema.sections import (
-    SceneModel,
-    Section,
-    SolverModel,
-    TimeModel,
-    TimesModel,
-    ViscoelasticModel,
-)
-from granstudy.support.errors import nearest
+from granstudy.study.schema.experiment import Experiment
+from granstudy.study.schema.generated import Section
+from granstudy.study.schema.mistakes import explain
 
 
 class MapModel(Section):
@@ -55,7 +40,7 @@ class StudyFile(Section):
     @property
     def with_truth(self) -> list[str]:
         """Names of the experiments whose runs are held against a truth."""
-        return [name for name, model in self.experiments.items() if model.truth is not None]
+        return [name for name, experiment in self.experiments.items() if experiment.has_truth]
 
 
 def read_study_file(path: str | Path) -> StudyFile:
@@ -76,54 +61,8 @@ def read_study_file(path: str | Path) -> StudyFile:
     try:
         return StudyFile.model_validate(content)
     except ValidationError as error:
-        lines = [f"{path}: {_explain(problem)}" for problem in error.errors()]
+        lines = [f"{path}: {line}" for line in explain(error, StudyFile)]
         raise ValueError("\n".join(lines)) from None
-
-
-def _explain(problem: Any) -> str:
-    """One line for one of pydantic's errors."""
-    where = ".".join(str(part) for part in problem["loc"] if "Model" not in str(part))
-    value = problem["input"]
-    if problem["type"] == "extra_forbidden":
-        known = _known_fields(problem["loc"])
-        key = str(problem["loc"][-1])
-        return f"{where}: unknown field{nearest(key, known)}; allowed are {', '.join(known)}"
-    if problem["type"] == "missing":
-        return f"{where}: must be given"
-    message = problem["msg"].removeprefix("Value error, ")
-    hint = ""
-    if isinstance(value, str) and problem["type"].startswith(("float", "int")):
-        try:
-            float(value)
-            hint = " (YAML reads 1e-3 as text: write 1.0e-3)"
-        except ValueError:
-            pass
-    shown = "" if isinstance(value, dict) else f"value {value!r}: "
-    return f"{where}: {shown}{message}{hint}"
-
-
-def _known_fields(location: tuple[Any, ...]) -> list[str]:
-    """Fields allowed where an unknown one was found."""
-    if len(location) == 1:
-        return list(StudyFile.model_fields)
-    parts: dict[str, type[BaseModel]] = {
-        "map": MapModel,
-        "truth": TruthModel,
-        "scene": SceneModel,
-        "solver": SolverModel,
-        "time": TimeModel,
-        "times": TimesModel,
-        "timing": TimingModel,
-        "table": TableModel,
-        "average": AverageModel,
-        "fit": FitModel,
-        "figure": FigureModel,
-        "restitution": ViscoelasticModel,
-    }
-    for part in reversed(location[:-1]):
-        if part in parts:
-            return list(parts[str(part)].model_fields)
-    return list(Experiment.model_fields)
 
 
 def write_schema(path: str | Path) -> None:

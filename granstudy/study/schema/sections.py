@@ -1,18 +1,23 @@
 """Sections of a study file that say what is modelled, how well, and how it goes through time."""
 
 import math
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
+
+from granstudy.study.schema.generated import (
+    Section,
+    density_fields,
+    solver_fields,
+    with_fields,
+)
 
 Value = bool | int | float | str | list[int] | None
+"""One value of a swept parameter."""
 
-
-class Section(BaseModel):
-    """A part of a study file: typed, immutable, without unknown fields."""
-
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+DENSITY_FIELDS = density_fields()
+"""What a study file can set of a named scene's initial density."""
 
 
 class ViscoelasticModel(Section):
@@ -21,23 +26,23 @@ class ViscoelasticModel(Section):
     viscoelastic: Annotated[float, Field(description="the material constant A")]
 
 
+@with_fields(DENSITY_FIELDS)
 class SceneFields(Section):
-    """What can be set of a named scene."""
+    """What can be set of a named scene, its density's parameters among them."""
 
     restitution: float | ViscoelasticModel | None = None
     exponent: Annotated[float | None, Field(description="λ of the kernel, 0 to 1")] = None
     strength: Annotated[float | None, Field(description="C_λ; default 1/(2π), 1/(4π)")] = None
     epsilon: Annotated[float | None, Field(description="diffusion ε; default 1e-6")] = None
-    temperature: Annotated[
-        float | None,
-        Field(description="of maxwellian, uniform_ball, power_law; of each of two_beams"),
-    ] = None
-    velocity: Annotated[list[float] | None, Field(description="of a maxwellian scene")] = None
-    separation: Annotated[float | None, Field(description="of two_beams")] = None
-    tail: Annotated[float | None, Field(description="s of power_law's |v|^-s, above d + 4")] = None
     symmetry: Annotated[
         str | None, Field(description="none, inversion, ...; default: what the density declares")
     ] = None
+
+    @property
+    def density(self) -> dict[str, Any]:
+        """The parameters of the density that are set."""
+        values = {name: getattr(self, name) for name in DENSITY_FIELDS}
+        return {name: value for name, value in values.items() if value is not None}
 
 
 class SceneModel(SceneFields):
@@ -46,38 +51,16 @@ class SceneModel(SceneFields):
     name: Annotated[str, Field(description="bkw2d, bkw3d, double_well2d, double_well3d, ...")]
 
 
+@with_fields(solver_fields())
 class SolverModel(Section):
-    """How well: any field of `granstudy.Solver` that is not swept."""
-
-    N: int | None = None
-    R: float | None = None
-    N_rho: int | None = None
-    M_sph: int | list[int] | None = None
-    M_cir: int | None = None
-    variant: str | None = None
-    method: str | None = None
-    sphere_rule: str | None = None
-    radial_rule: str | None = None
-    rtol: Annotated[
-        float | None,
-        Field(description="tolerance of Q's quadrature error, in place of N_rho, M_.."),
-    ] = None
-    circular: bool | None = None
-    particles: Annotated[int | None, Field(description="of method dsmc, all batches together")] = (
-        None
-    )
-    batches: Annotated[int | None, Field(description="of method dsmc; default 20")] = None
-    seed: Annotated[int | None, Field(description="of method dsmc; default 0")] = None
-    dealias: Annotated[bool | None, Field(description="pad the products of fast")] = None
-    precision: Annotated[str | None, Field(description="double, or single for fast")] = None
-    device: Annotated[str | None, Field(description="cpu or gpu; default: cpu")] = None
+    """How well it is modelled: any field of `granstudy.Solver` that is not swept."""
 
 
 class TimesModel(Section):
     """Output times, spaced evenly in their logarithm."""
 
-    first: Annotated[float, Field(gt=0.0, description="time of the first")]
-    last: Annotated[float | None, Field(gt=0.0, description="of the last; default t_final")] = None
+    first: Annotated[float, Field(gt=0.0, description="the first time")]
+    last: Annotated[float | None, Field(gt=0.0, description="the last; default t_final")] = None
     per_decade: Annotated[int, Field(ge=1, description="how many a decade")] = 10
 
     def outputs(self, t_final: float) -> list[float]:
@@ -112,6 +95,6 @@ class TimeFields(Section):
 
 
 class TimeModel(TimeFields):
-    """The same, and how long."""
+    """In which steps and frame a run goes through time, and how long."""
 
     t_final: float

@@ -11,7 +11,6 @@ from granstudy.model.scene import load_scene
 from granstudy.model.solver import Solver
 from granstudy.study.benchmark.benchmark import benchmark
 from granstudy.study.benchmark.timing import peak_memory_mb
-from granstudy.study.study import load_study
 from granstudy.trust.flags import Status
 
 STUDY = """
@@ -27,10 +26,9 @@ experiments:
 """
 
 
-def test_every_method_is_timed_beside_literal_and_its_transforms(tmp_path, monkeypatch):
+def test_every_method_is_timed_beside_literal_and_its_transforms(load, monkeypatch):
     monkeypatch.setattr("granstudy.study.benchmark.timing.LEAST_SECONDS", 0.0)
-    (tmp_path / "speed.yaml").write_text(STUDY)
-    runs = list(load_study(tmp_path / "speed.yaml").runs["speed"].values())
+    runs = list(load().runs["speed"].values())
     ds = benchmark(runs, threads=1)
     assert list(ds["method"].values) == ["direct", "literal", "fast", "radial"]
     assert np.all(ds["seconds"] > 0) and np.all(np.isfinite(ds["peak_memory_mb"]))
@@ -59,11 +57,10 @@ experiments:
 
 
 @pytest.fixture
-def front(tmp_path, monkeypatch):
+def front(load, monkeypatch):
     """A benchmark with a reference: its study and its dataset."""
     monkeypatch.setattr("granstudy.study.benchmark.timing.LEAST_SECONDS", 0.0)
-    (tmp_path / "front.yaml").write_text(FRONT)
-    study = load_study(tmp_path / "front.yaml")
+    study = load(text=FRONT)
     return study, benchmark(list(study.runs["front"].values()), threads=2)
 
 
@@ -116,7 +113,6 @@ def test_a_tolerance_out_of_reach_is_a_failed_row(front, tmp_path):
     assert "failed: rtol=1e-09" in markdown_table(table)
 
 
-def test_a_baseline_that_is_not_one_run_is_refused(tmp_path):
-    (tmp_path / "front.yaml").write_text(FRONT.replace("M_cir: 8}", "M_cir: 12}"))
+def test_a_baseline_that_is_not_one_run_is_refused(load):
     with pytest.raises(ValueError, match="experiments.front.timing.baseline: .* of 0 runs"):
-        load_study(tmp_path / "front.yaml")
+        load("M_cir: 8}", "M_cir: 12}", text=FRONT)

@@ -1,4 +1,4 @@
-"""How much aliasing disturbs Q on a grid, and on which grids products may be formed."""
+"""Aliasing: how much it disturbs Q on a grid, and the grids on which products may be formed."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -11,7 +11,7 @@ from granstudy.collision.fast.adaptive.error import difference, magnitude
 from granstudy.collision.fast.gain import GainSum
 from granstudy.collision.fourier.spectra import density, half_spectrum, resize
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.model.solver import SizedSolver
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.symmetry import Symmetry
 
@@ -22,25 +22,25 @@ PROBE_SHELLS = 12
 """Number of shells that aliasing is measured with."""
 
 SIZES = (8, 12, 16, 20, 32, 40, 48, 64, 96, 128)
-"""Points a dimension of the grids on which products may be formed. FFTW's real transforms of 32³ points take
-less time than those of 22³ to 30³."""
+"""Points per dimension of the grids on which products may be formed. Sizes between 20 and 32 are excluded:
+FFTW's real transforms of 32³ points take less time than those of 22³ to 30³."""
 
 
 class Aliasing(NamedTuple):
-    """How much a fixed quadrature changes with the signs of its nodes, over max|Q|.
+    """Change of Q, in a fixed quadrature, with the signs of the nodes.
 
-    But for aliasing it does not matter which of ±g is evaluated.
+    Without aliasing g and −g would give the same: the change measures aliasing.
 
     Attributes
     ----------
     kept : float
-        On the modes that quadratures are compared on.
+        Largest change over ``scale``, on the modes on which quadratures are compared.
     everywhere : float
-        On all modes.
+        Largest change over ``scale``, on all modes.
     Q : ndarray
-        Q(f,f) with that quadrature.
+        Q(f,f) with the quadrature.
     scale : float
-        Its `magnitude`.
+        The `magnitude` of Q.
     """
 
     kept: float
@@ -49,7 +49,7 @@ class Aliasing(NamedTuple):
     scale: float
 
 
-def aliasing(scene: Scene, solver: Solver, f: np.ndarray) -> Aliasing:
+def aliasing(scene: Scene, solver: SizedSolver, f: np.ndarray) -> Aliasing:
     """Measure the aliasing of Q(f,f) on the solver's grid."""
     scene = replace(scene, symmetry=Symmetry.named(scene.dim, "none"))
     operator = planned_operator(scene, solver, describe_plan(scene, solver, [PROBE] * PROBE_SHELLS))
@@ -67,7 +67,10 @@ def aliasing(scene: Scene, solver: Solver, f: np.ndarray) -> Aliasing:
 def resolving_grids(
     grid: VelocityGrid, f: np.ndarray, tolerance: float
 ) -> Iterator[tuple[int, np.ndarray]]:
-    """Those of `SIZES` on which f is max|f|·tolerance near itself, each with f there; N comes last."""
+    """Sizes of grids that resolve f to max|f|·tolerance, smallest first, each with f on that grid.
+
+    The sizes are those of `SIZES` below the grid's own N, and N last.
+    """
     f_hat = half_spectrum(f.reshape(grid.three_axis_shape))
     for n in SIZES:
         if n < grid.N:

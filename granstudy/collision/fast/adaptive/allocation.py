@@ -1,4 +1,4 @@
-"""Which rule every shell gets, so that their errors together stay under a bound at least cost."""
+"""Rules for the shells, chosen so that the sum of their errors stays under a bound at least cost."""
 
 from collections.abc import Sequence
 
@@ -8,27 +8,28 @@ import numpy as np
 def allocate(
     errors: Sequence[np.ndarray], costs: Sequence[np.ndarray], bound: float, weights: np.ndarray
 ) -> list[int]:
-    """One choice a shell with max|Σ_i errors_i[choice_i]| ≤ bound.
+    """One choice for each shell, such that max|Σ_i errors_i[choice_i]| ≤ bound.
 
-    Greedy on J = ‖Σ_i e_i‖² + Σ_i ‖e_i‖²: the first term knows that errors of different shells cancel or
-    add up, the second keeps the choice from resting on cancellation, which another density would not
-    have. Each round takes the step of the largest gain a unit of cost; once under the bound, shells
-    fall back to cheaper choices as long as the bound holds.
+    Greedy on J = ‖Σ_i e_i‖² + Σ_i ‖e_i‖². The first term knows that errors of different shells cancel or
+    add up. The second keeps the choice from resting on cancellation, which another density would not have.
+    Each round takes the step by which J falls most for a unit of cost. Once the sum is under the bound,
+    shells fall back to cheaper choices as long as the bound holds.
 
     Parameters
     ----------
     errors : sequence of ndarray, shape (choices, points)
-        For every shell the error of each choice, cheapest first; the last one is about 0.
+        The error of each choice, cheapest first, for every shell. The last error is about 0.
     costs : sequence of ndarray, shape (choices,)
+        The cost of each choice, for every shell.
     weights : ndarray, shape (points,)
-        Of the squares in the norm.
+        Weights of the squares in the norm.
     """
     chosen = [0] * len(errors)
     total = np.sum([e[0] for e in errors], axis=0)
     squares = [e**2 @ weights for e in errors]
     while np.max(np.abs(total)) > bound:
         step = _best_step(errors, squares, costs, chosen, total, weights)
-        if step is None:  # nothing left that helps: all that there is
+        if step is None:  # no choice helps any more: take the dearest everywhere
             return [len(cost) - 1 for cost in costs]
         shell, choice = step
         total = total + errors[shell][choice] - errors[shell][chosen[shell]]
@@ -55,7 +56,7 @@ def _best_step(
     total: np.ndarray,
     weights: np.ndarray,
 ) -> tuple[int, int] | None:
-    """The shell and the dearer choice by which J falls most a unit of cost."""
+    """The shell, and its dearer choice, by which J falls most for a unit of cost."""
     best, best_gain = None, 0.0
     for shell, now in enumerate(chosen):
         more = np.arange(now + 1, len(costs[shell]))

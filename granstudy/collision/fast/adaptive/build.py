@@ -1,4 +1,4 @@
-"""The fast operator with the quadrature of a plan, and the same made finer."""
+"""Plans of given rules, the operator of a plan, and finer plans to check a plan with."""
 
 from dataclasses import replace
 
@@ -17,27 +17,29 @@ from granstudy.collision.fourier.spectra import serial_transforms
 from granstudy.collision.rules import converged_radial
 from granstudy.collision.weights import loss_weight
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.model.solver import SizedSolver
 from granstudy.quadrature import Rule, radial_rule
 from granstudy.quadrature.ladder import ladder
 from granstudy.velocity.cartesian import VelocityGrid
 
 FINER_SHELLS = 3
+"""Number of shells that the finer quadrature has more."""
+
 FINER_LEVELS = 2
-"""How many shells more, and rules up the ladder, the finer quadrature takes."""
+"""Number of steps up the ladder of rules that the finer quadrature takes."""
 
 
-def shell_radii(scene: Scene, solver: Solver, N_rho: int) -> Rule:
-    """Gauss–Jacobi in ρ²: spectral for every λ, and needs the fewest shells."""
+def shell_radii(scene: Scene, solver: SizedSolver, N_rho: int) -> Rule:
+    """Radii of the shells by Gauss–Jacobi in ρ²: spectral for every λ, with the fewest shells."""
     return radial_rule(N_rho, solver.R, "jacobi", scene.dim - 1 + scene.kernel.exponent)
 
 
 def planned_operator(
-    scene: Scene, solver: Solver, plan: QuadraturePlan, make_gain: MakeGain = gain_sum
+    scene: Scene, solver: SizedSolver, plan: QuadraturePlan, make_gain: MakeGain = gain_sum
 ) -> NodalOperator:
-    """The operator that a plan describes, on the solver's grid.
+    """The operator with the quadrature of a plan, on the solver's grid.
 
-    In the variant ``separate`` the loss comes from a radial rule that has converged: it costs nothing.
+    In the variant ``separate`` the loss is integrated by a radial rule that has converged, at no cost.
     """
     grid = solver.grid(scene.dim)
     rules = ladder(scene.dim, scene.symmetry)
@@ -56,8 +58,8 @@ def planned_operator(
     return NodalOperator(grid, gain, rules.group, spectrum_axes(grid, loss))
 
 
-def describe_plan(scene: Scene, solver: Solver, levels: list[int | None]) -> QuadraturePlan:
-    """The plan with a rule of the ladder, or none, on each of so many shells; errors not known yet."""
+def describe_plan(scene: Scene, solver: SizedSolver, levels: list[int | None]) -> QuadraturePlan:
+    """The plan with a step of the ladder on each shell, or None for no nodes. Its errors are not known."""
     assert solver.rtol is not None
     rules = ladder(scene.dim, scene.symmetry)
     steps = [rules.steps[level] for level in levels if level is not None]
@@ -79,12 +81,12 @@ def describe_plan(scene: Scene, solver: Solver, levels: list[int | None]) -> Qua
 
 
 def with_products_on(plan: QuadraturePlan, n: int) -> QuadraturePlan:
-    """The plan with its products formed on n points a dimension."""
+    """The plan with its products formed on n points per dimension."""
     return replace(plan, n=n, transforms=2 * plan.nodes + serial_transforms(plan.N, n))
 
 
-def refine(scene: Scene, solver: Solver, plan: QuadraturePlan) -> QuadraturePlan:
-    """A plan with more shells, each with a rule well above those of the shells beside it."""
+def refine(scene: Scene, solver: SizedSolver, plan: QuadraturePlan) -> QuadraturePlan:
+    """A finer plan: more shells, with rules well above the rules of ``plan`` at neighbouring radii."""
     rules = ladder(scene.dim, scene.symmetry)
     N_rho = plan.N_rho + FINER_SHELLS
     levels: list[int | None] = []

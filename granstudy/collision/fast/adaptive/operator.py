@@ -1,4 +1,4 @@
-"""The fast operator tuned to a tolerance, and tuned again when a density has outgrown its quadrature."""
+"""The fast operator tuned to a tolerance, and tuned anew where a density has outgrown its quadrature."""
 
 import numpy as np
 
@@ -8,11 +8,11 @@ from granstudy.collision.fast.adaptive.plan import QuadraturePlan
 from granstudy.collision.fast.adaptive.search import make_plan
 from granstudy.collision.fast.operator import MakeGain, gain_sum
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.model.solver import SizedSolver
 
 
 class AdaptiveOperator:
-    """Q(f,f) with a quadrature error under rtol at the density it is tuned for.
+    """Q(f,f) with a quadrature error under rtol at the density that the operator is tuned for.
 
     Attributes
     ----------
@@ -20,7 +20,7 @@ class AdaptiveOperator:
         The quadrature in use, first made for the scene's initial density.
     """
 
-    def __init__(self, scene: Scene, solver: Solver, make_gain: MakeGain = gain_sum) -> None:
+    def __init__(self, scene: Scene, solver: SizedSolver, make_gain: MakeGain = gain_sum) -> None:
         self.scene = scene
         self.solver = solver
         self.grid = solver.grid(scene.dim)
@@ -36,16 +36,16 @@ class AdaptiveOperator:
         self.operator.transform()
 
     def check(self, f: np.ndarray) -> float:
-        """The error at a density that rtol bounds, by a finer quadrature: a few evaluations' time."""
+        """The error of Q(f,f) that rtol bounds, by a finer quadrature. It takes a few evaluations' time."""
         return quadrature_error(self.operator, self._finer, f)
 
     def tune(self, f: np.ndarray) -> QuadraturePlan:
-        """Choose the quadrature anew, for this density.
+        """Choose the quadrature anew for the density ``f``.
 
         Raises
         ------
         ToleranceError
-            If the tolerance cannot be reached; the quadrature then stays as it was.
+            If the tolerance cannot be reached. The quadrature then stays as it was.
         """
         self._use(make_plan(self.scene, self.solver, f))
         return self.plan

@@ -1,4 +1,4 @@
-"""What quadrature a tolerance comes to: the shells and their rules, as plain data."""
+"""The quadrature that a tolerance leads to: shells and their rules, as plain data."""
 
 import dataclasses
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from granstudy.collision.protocol import CollisionOperator
 
 @dataclass(frozen=True, repr=False)
 class QuadraturePlan:
-    """Gauss–Jacobi shells in ρ², a rule of its own size on each, and the grid of the products.
+    """A quadrature: Gauss–Jacobi shells in ρ², the size of the rule on each shell, the grid of the products.
 
     Attributes
     ----------
@@ -19,27 +19,27 @@ class QuadraturePlan:
     rtol : float
         The tolerance (`Solver.rtol`).
     N : int
-        Points a dimension of the scene's grid.
+        Points per dimension of the scene's grid.
     n : int
-        Points a dimension on which the products f(v)f(v−g) are formed: N or fewer; 3N/2 with
+        Points per dimension on which the products f(v)f(v−g) are formed: N or fewer; 3N/2 with
         `Solver.dealias`.
     rule : str
         ``lebedev`` or ``circle``.
     radii : tuple of float
         ρ of the shells.
     sizes : tuple of int
-        Points of the rule on each shell, 0 where it is left out.
+        Points of the rule on each shell, 0 for a shell that is left out.
     symmetry : str
         Group under which one node of each orbit is evaluated.
     nodes : int
-        Nodes evaluated: one of each pair ±g, or of each orbit.
+        Number of nodes evaluated: one of each pair ±g, or one of each orbit.
     transforms : int
         Real transforms of n^d points that one evaluation of Q makes.
     error : float
-        Estimate of what ``rtol`` bounds, for the density that it was made for.
+        Estimate of the error that ``rtol`` bounds, for the density that the plan was made for.
     aliasing : float
-        Estimate of the error that no quadrature removes, as the products wrap around the spectrum of N
-        modes; it takes a larger N.
+        Estimate of the error from products that wrap around the spectrum of N modes. No quadrature removes
+        it; a larger N does.
     """
 
     dim: int

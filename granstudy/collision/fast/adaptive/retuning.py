@@ -1,4 +1,4 @@
-"""Checks, while a run goes on, that a quadrature chosen for its start still meets the tolerance."""
+"""Checks during a run that a quadrature chosen for the initial density still meets the tolerance."""
 
 from typing import Any
 
@@ -9,13 +9,13 @@ from granstudy.collision.protocol import CollisionOperator
 from granstudy.support.errors import ToleranceError
 
 CHECK_EVERY = 50
-"""Steps between checks: one costs about as much as a step of the Runge–Kutta scheme."""
+"""Steps between checks. A check takes about as long as a step of the Runge–Kutta scheme."""
 
 FIRST_CHECK = 10
-"""Step of a first check: densities change fastest at the start."""
+"""Step of the first check, as densities change fastest at the start."""
 
 EASED = 0.1
-"""Part of the tolerance under which a quadrature has become finer than it need be."""
+"""Error, in parts of the tolerance, below which a quadrature is finer than it need be."""
 
 
 class Tuning:
@@ -24,7 +24,8 @@ class Tuning:
     Attributes
     ----------
     plans : list of dict
-        Every plan from its ``time`` on, as plain data; empty for an operator without a tolerance.
+        Every plan as plain data, with the ``time`` from which it is used. Empty for an operator without a
+        tolerance.
     """
 
     def __init__(self, operator: CollisionOperator) -> None:
@@ -33,7 +34,13 @@ class Tuning:
         self._record(0.0)
 
     def review(self, step: int, time: float, f: np.ndarray) -> dict[str, str]:
-        """At `FIRST_CHECK` and every `CHECK_EVERY` steps: tune again where needed. Warnings by name."""
+        """Check the quadrature at `FIRST_CHECK` and every `CHECK_EVERY` steps, and tune it anew where needed.
+
+        Returns
+        -------
+        dict
+            Warnings by name: ``rtol`` where the tolerance can no longer be reached.
+        """
         operator = self._operator
         due = step == FIRST_CHECK or (step > 0 and step % CHECK_EVERY == 0)
         if operator is None or not due:

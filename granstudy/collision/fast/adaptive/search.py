@@ -1,9 +1,10 @@
-"""From a tolerance to a quadrature: shells, and on each as many directions as its part of Q needs.
+"""The search for a plan: shells, and on each shell as many directions as its part of Q needs.
 
-The quadrature error of Q is a sum over shells. For one density it is measured: every shell's part of Q is
-computed with rules of growing size until it settles, and the rules are chosen so that the sum of the
-errors, and their moments, stay under rtol (docs/method.md §2, fact 5). A finer quadrature then verifies
-the choice.
+The quadrature error of Q is a sum over shells, and is measured for one density (docs/method.md §2, fact 5):
+
+1. Every shell's part of Q is computed with rules of growing size, until it settles.
+2. Rules are chosen so that the sum of the errors, and its moments, stay under rtol at least cost.
+3. A finer quadrature verifies the choice.
 """
 
 from dataclasses import replace
@@ -28,42 +29,42 @@ from granstudy.collision.fast.adaptive.error import ErrorScale, magnitude, quadr
 from granstudy.collision.fast.adaptive.plan import QuadraturePlan
 from granstudy.collision.fast.adaptive.shells import Shells
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.model.solver import SizedSolver
 from granstudy.quadrature.ladder import ladder
 from granstudy.support.errors import ToleranceError
 
 TARGET = 0.5
-"""Part of the tolerance that a new plan may use: the rest is for a density that evolves."""
+"""Part of the tolerance that a new plan may use. The rest is kept for a density that evolves."""
 
 RADIAL_PART = 0.15
-"""Part of the tolerance for the radii."""
+"""Part of the tolerance that the radii may use."""
 
 GRID_PART = 0.15
-"""Part of the tolerance for forming the products on a smaller grid."""
+"""Part of the tolerance that a smaller grid for the products may use."""
 
 RESOLVED = 0.1
-"""max|f − f_n| over max|f|, in parts of the tolerance, on a smaller grid that may hold f."""
+"""Largest max|f − f_n| over max|f|, in parts of the tolerance, for f_n on a smaller grid."""
 
 QUIET = 0.2
-"""Aliasing in parts of the tolerance on a smaller grid that a plan is made on."""
+"""Largest aliasing, in parts of the tolerance, on a smaller grid that a plan is made on."""
 
 SETTLED = 0.03
-"""A shell's part has settled where the next rule changes it by this part of the tolerance."""
+"""Change by the next rule, in parts of the tolerance, below which a shell's part of Q has settled."""
 
 LARGEST_N_RHO = 80
-"""Shells beyond which the radii are given up."""
+"""Largest number of shells that is tried."""
 
 ATTEMPTS = 5
-"""Plans that are made and verified, at most."""
+"""Largest number of plans that are made and verified."""
 
 
-def make_plan(scene: Scene, solver: Solver, f: np.ndarray) -> QuadraturePlan:
-    """The cheapest quadrature found with an error of Q(f,f) and its moments under rtol (`ErrorScale`).
+def make_plan(scene: Scene, solver: SizedSolver, f: np.ndarray) -> QuadraturePlan:
+    """The cheapest quadrature found whose error of Q(f,f) is under rtol, moments included (`ErrorScale`).
 
     Raises
     ------
     ToleranceError
-        If the sums do not settle so far, as aliasing on the solver's grid keeps them from it.
+        If aliasing on the solver's grid keeps the sums from settling to rtol.
     """
     assert solver.rtol is not None
     small, f_n, probe = _quiet_grid(scene, solver, f)
@@ -85,7 +86,7 @@ def make_plan(scene: Scene, solver: Solver, f: np.ndarray) -> QuadraturePlan:
             best = replace(plan, N=solver.N, error=error, aliasing=probe.everywhere)
         if error <= TARGET * solver.rtol:
             break
-        if stuck or error > solver.rtol:  # better rules do not help, so it is the radii
+        if stuck or error > solver.rtol:  # better rules do not help: the radii are too few
             N_rho += 1
             parts, costs = _measure(scene, small, f_n, N_rho, settled)
         else:
@@ -96,8 +97,18 @@ def make_plan(scene: Scene, solver: Solver, f: np.ndarray) -> QuadraturePlan:
     raise _unreachable(solver, best.error)
 
 
-def _quiet_grid(scene: Scene, solver: Solver, f: np.ndarray) -> tuple[Solver, np.ndarray, Aliasing]:
-    """The solver on the smallest grid that resolves f and is `QUIET`, with f and the aliasing there."""
+def _quiet_grid(
+    scene: Scene, solver: SizedSolver, f: np.ndarray
+) -> tuple[SizedSolver, np.ndarray, Aliasing]:
+    """The solver on the smallest grid that resolves f with little aliasing (`QUIET`), or on its own grid.
+
+    Returns the solver with that grid, f on it, and the aliasing there.
+
+    Raises
+    ------
+    ToleranceError
+        If aliasing exceeds rtol on the solver's own grid.
+    """
     assert solver.rtol is not None
     for n, f_n in resolving_grids(solver.grid(scene.dim), f, RESOLVED * solver.rtol):
         small = replace(solver, N=n)
@@ -109,7 +120,7 @@ def _quiet_grid(scene: Scene, solver: Solver, f: np.ndarray) -> tuple[Solver, np
     return small, f_n, probe
 
 
-def _unreachable(solver: Solver, error: float) -> ToleranceError:
+def _unreachable(solver: SizedSolver, error: float) -> ToleranceError:
     cause = "round-off" if solver.dealias else "aliasing"
     remedy = "" if solver.dealias else ", or dealias=True"
     return ToleranceError(
@@ -118,11 +129,11 @@ def _unreachable(solver: Solver, error: float) -> ToleranceError:
     )
 
 
-def _radial_size(scene: Scene, solver: Solver, f: np.ndarray, tolerance: float) -> int:
+def _radial_size(scene: Scene, solver: SizedSolver, f: np.ndarray, tolerance: float) -> int:
     """Fewest shells whose radii are good to a relative tolerance.
 
-    Judged with the ladder's second rule, the same on all shells: its parts are as smooth in ρ as those of
-    a better one.
+    All shells take the ladder's second rule. The parts of Q by that rule are as smooth in ρ as the parts by a
+    better one.
     """
     before = None
     for N_rho in range(4, LARGEST_N_RHO + 1, 2):
@@ -135,17 +146,20 @@ def _radial_size(scene: Scene, solver: Solver, f: np.ndarray, tolerance: float) 
             return N_rho - 2
         before = Q
     raise ToleranceError(
-        f"rtol={solver.rtol!r}: {LARGEST_N_RHO} shells do not reach it on N={solver.N}; "
+        f"rtol={solver.rtol!r}: {LARGEST_N_RHO} shells do not reach the tolerance on N={solver.N}; "
         "take a larger N or a larger rtol"
     )
 
 
 def _measure(
-    scene: Scene, solver: Solver, f: np.ndarray, N_rho: int, settled: float
+    scene: Scene, solver: SizedSolver, f: np.ndarray, N_rho: int, settled: float
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Every shell's part of Q without nodes, and with the ladder's rules up to where it settles.
+    """Every shell's part of Q: without nodes (zero), and with the ladder's rules up to where it settles.
 
-    Returns, a shell each, arrays (choices, points) and the choices' costs in nodes.
+    Returns
+    -------
+    tuple of lists
+        For every shell the parts, shape (choices, points), and their costs in nodes, shape (choices,).
     """
     rules = ladder(scene.dim, scene.symmetry)
     shells = Shells(scene, solver, rules, f)
@@ -167,11 +181,11 @@ def _measure(
 
 
 def _choose_grid(
-    scene: Scene, solver: Solver, plan: QuadraturePlan, f: np.ndarray
+    scene: Scene, solver: SizedSolver, plan: QuadraturePlan, f: np.ndarray
 ) -> QuadraturePlan:
-    """The plan on the smallest grid for its products that changes Q by little enough."""
+    """The plan with its products on the smallest grid that changes Q by at most `GRID_PART` of rtol."""
     assert solver.rtol is not None
-    if solver.dealias:  # on no other grid does nothing wrap around
+    if solver.dealias:  # products wrap around on every smaller grid
         return with_products_on(plan, solver.product_points)
     sizes = [n for n in SIZES if plan.n <= n < solver.N]
     if sizes:

@@ -1,4 +1,4 @@
-"""What each shell adds to Q, rule by rule: the measurements that a plan is made from."""
+"""Contributions of single shells to Q, rule by rule: the measurements that a plan is made from."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from granstudy.collision.fast.nodes import place_nodes
 from granstudy.collision.fast.operator import nodal_loss, spectrum_axes
 from granstudy.collision.fourier.spectra import density, half_spectrum, resize, unaliased
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.model.solver import SizedSolver
 from granstudy.quadrature import Rule
 from granstudy.quadrature.ladder import Ladder
 from granstudy.velocity.cartesian import VelocityGrid
@@ -18,22 +18,26 @@ from granstudy.velocity.cartesian import VelocityGrid
 class Shells:
     """Contributions of single shells to Q(f,f), for one density on the solver's grid."""
 
-    def __init__(self, scene: Scene, solver: Solver, ladder: Ladder, f: np.ndarray) -> None:
+    def __init__(self, scene: Scene, solver: SizedSolver, ladder: Ladder, f: np.ndarray) -> None:
         self.scene = scene
         self.solver = solver
         self.ladder = ladder
         self.grid = solver.grid(scene.dim)
         wide = np.ascontiguousarray(f).reshape(self.grid.three_axis_shape)
-        # What the products are formed of, on their own grid.
+        # The density and its spectrum on the grid of the products.
         self._products = VelocityGrid(scene.dim, solver.product_points, solver.R)
         self._f_hat = resize(half_spectrum(wide), self._products.N)
         self._f = wide if solver.product_points == solver.N else density(self._f_hat)
 
     def contributions(self, radial: Rule, levels: Sequence[int | None]) -> np.ndarray:
-        """Each shell's part of Q with the ladder's rule of its level (None: left out, zero).
+        """Each shell's part of Q with the ladder's rule of its level; 0 for a shell whose level is None.
 
-        Shape (shells, N^d), of the modes that aliasing does not reach (`unaliased`). For the variant
-        ``separate`` the loss, which has no quadrature error, is no part of it.
+        The parts hold the modes that aliasing does not reach (`unaliased`). In the variant ``separate`` they
+        exclude the loss, which has no quadrature error.
+
+        Returns
+        -------
+        ndarray, shape (shells, N^d)
         """
         steps = [None if level is None else self.ladder.steps[level] for level in levels]
         reduced = [None if step is None else step.reduced for step in steps]
@@ -64,5 +68,5 @@ class Shells:
         return result
 
     def _low_pass(self, spectrum: np.ndarray) -> np.ndarray:
-        """Values on the solver's grid of what aliasing does not reach."""
+        """Values on the solver's grid, without the modes that aliasing reaches."""
         return density(unaliased(resize(spectrum, self.grid.N)))

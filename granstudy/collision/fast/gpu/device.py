@@ -1,6 +1,6 @@
-"""Where a sum over nodes is computed: a namespace of the array API standard, and a device of it.
+"""Devices that a sum over nodes is computed on, each with a namespace of the array API standard.
 
-https://data-apis.org/array-api/latest: the same code then runs on NumPy, CuPy and PyTorch.
+The standard is at https://data-apis.org/array-api/latest. The same code runs on NumPy, CuPy and PyTorch.
 """
 
 from collections.abc import Callable
@@ -19,15 +19,15 @@ class Device:
     Attributes
     ----------
     name : str
-        For people.
+        Name for messages.
     xp : module
-        Namespace of the array API standard with its extension ``fft``.
+        Namespace of the array API standard, with the extension ``fft``.
     place : object
         The device, as the namespace's functions take it.
     fetch : callable
-        From an array on the device to a NumPy array; waits until it has been computed.
+        Makes a NumPy array of an array on the device, and waits until it has been computed.
     memory : int
-        Free bytes.
+        Free memory in bytes.
     """
 
     name: str
@@ -37,12 +37,12 @@ class Device:
     memory: int
 
     def put(self, values: np.ndarray) -> Any:
-        """The values in an array on the device."""
+        """An array on the device with the same values."""
         return self.xp.asarray(values, device=self.place)
 
 
 def check_scene(scene: Scene) -> None:
-    """Raise ValueError unless a GPU can model the scene: the restitution must be a constant."""
+    """Raise ValueError unless the sum on a GPU can model the scene: its restitution must be a constant."""
     if callable(scene.restitution):
         raise ValueError(
             f"restitution={scene.restitution!r}: device 'gpu' takes a constant, not a function of the "
@@ -51,12 +51,12 @@ def check_scene(scene: Scene) -> None:
 
 
 def find_gpu() -> Device:
-    """The current GPU of CuPy, or else of PyTorch.
+    """The current GPU of CuPy, or of PyTorch where CuPy has none.
 
     Raises
     ------
     ValueError
-        If neither is installed with a GPU.
+        If neither library is installed with a GPU.
     """
     missing = []
     for library, find in (("CuPy", _cupy_gpu), ("PyTorch", _torch_gpu)):
@@ -74,7 +74,7 @@ def find_gpu() -> Device:
 
 
 def _cupy_gpu() -> Device | None:
-    import cupy  # isort: skip  # first: its absence is what to tell
+    import cupy  # isort: skip  # first, so that a missing CuPy is named in the error
     import array_api_compat.cupy as xp
 
     if not cupy.is_available():

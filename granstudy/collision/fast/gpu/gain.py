@@ -1,7 +1,8 @@
-"""The sum over nodes in whole arrays, batch after batch, on any device of the array API standard.
+"""The gain as a sum over nodes in whole arrays, batch after batch, on a device of the array API standard.
 
-The sum of `granstudy.collision.fast.gain` for a constant restitution, at the same two real transforms for a
-pair ±g. With M_ρ(|k|) = |S|C_λ w_ρ ρ^{d−1+λ} mean(πρα|k|/L), and 2cos(βk·g) as two exponentials,
+The sum is that of `granstudy.collision.fast.gain` for a constant restitution, at the same two real
+transforms for a pair ±g. With M_ρ(|k|) = |S|C_λ w_ρ ρ^{d−1+λ} mean(πρα|k|/L), and 2cos(βk·g) written as two
+exponentials,
 
     Q̂⁺_k = Σ_g w_g M_ρ(|k|) [e^{i(½+β)k·g} + e^{i(½−β)k·g}] FFT[f(v) f(v−g)]_k.
 """
@@ -20,19 +21,20 @@ from granstudy.model.scene import Scene
 from granstudy.velocity.cartesian import VelocityGrid
 
 SPECTRA_HELD = 8
-"""Arrays of the size of a batch's half spectra that are held at a time, the transforms' own included."""
+"""Most arrays of the size of a batch's half spectra that are held at a time, the transforms' own included."""
 
 BATCH_BYTES = 2**30
-"""Most memory that a batch takes, however much the device has: arrays so large keep it busy."""
+"""Most memory that a batch takes, however much the device has. Arrays of this size keep a device busy."""
 
 Axes = tuple[Any, ...]
+"""Factors along the three axes of an outer product, each an array (nodes, modes) on the device."""
 
 
 class DeviceGainSum:
-    """Q̂⁺ of a real density as a sum over given nodes, on a device.
+    """The gain Q̂⁺ of a real density as a sum over given nodes, on a device.
 
-    What does not depend on f lies on the device from the start; a call moves f and f̂ there and the sum
-    back.
+    All arrays that do not depend on f lie on the device from the start. A call moves f and f̂ to the device,
+    and the sum back.
 
     Parameters
     ----------
@@ -41,7 +43,7 @@ class DeviceGainSum:
     precision : str
         ``double``, or ``single`` for everything on the device.
     memory : int, optional
-        Bytes that a batch may take; by default half of what is free on the device, or `BATCH_BYTES`.
+        Bytes that a batch may take, by default half of the free memory and at most `BATCH_BYTES`.
 
     Raises
     ------
@@ -111,7 +113,7 @@ class DeviceGainSum:
             shape = (part.stop - part.start, *self._half)
             spectra = xp.zeros(shape, dtype=dtype, device=self._device.place)
             spectra = self._forward(self._backward(spectra))
-        self._device.fetch(spectra[:1, :1, :1, :1])  # waits for all
+        self._device.fetch(spectra[:1, :1, :1, :1])  # waits until all are made
 
     def _backward(self, spectra: Any) -> Any:
         """Densities Σ_k f̂_k e^{iπk·v/L} of a batch of half spectra."""
@@ -136,7 +138,7 @@ class DeviceGainSum:
 
 
 def phase_vectors(angles: np.ndarray, n: int, modes: int) -> np.ndarray:
-    """e^{i·angle·k} for the first so many wavenumbers of n points in FFT order, (angles, modes).
+    """e^{i·angle·k} for the first ``modes`` wavenumbers of n points in FFT order, shape (angles, modes).
 
     The unpaired mode k = −n/2 takes the mean of its two signs, which keeps real functions real.
     """
@@ -148,13 +150,13 @@ def phase_vectors(angles: np.ndarray, n: int, modes: int) -> np.ndarray:
 
 
 def outer_product(axes: Axes, part: slice) -> Any:
-    """Products of the axes' factors over all modes, (nodes, n, n', n/2+1)."""
+    """Products of the factors of a part of the nodes, over all modes: shape (nodes, n, n', n/2+1)."""
     x, y, z = (factor[part, :] for factor in axes)
     return x[:, :, None, None] * (y[:, :, None] * z[:, None, :])[:, None, :, :]
 
 
 def equal_batches(count: int, largest: int) -> list[slice]:
-    """So many nodes in the fewest batches of at most the largest size, about equal ones."""
+    """``count`` nodes in the fewest batches of at most ``largest`` nodes, all of about the same size."""
     batches = -(-count // max(1, largest))
     ends = [count * i // batches for i in range(batches + 1)] if count else []
     return [slice(start, stop) for start, stop in itertools.pairwise(ends)]

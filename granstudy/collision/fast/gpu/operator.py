@@ -1,4 +1,4 @@
-"""The fast operator, and the one tuned to a tolerance, with their sum over nodes on a GPU."""
+"""The fast operator and the adaptive operator with their sums over nodes on a GPU."""
 
 from granstudy.collision.fast.adaptive.operator import AdaptiveOperator
 from granstudy.collision.fast.gpu.device import check_scene, find_gpu
@@ -6,26 +6,28 @@ from granstudy.collision.fast.gpu.gain import DeviceGainSum
 from granstudy.collision.fast.nodes import Nodes
 from granstudy.collision.fast.operator import NodalOperator, fast_operator
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.model.solver import SizedSolver
 from granstudy.velocity.cartesian import VelocityGrid
 
 
 def check(scene: Scene) -> None:
-    """Raise ValueError unless there is a GPU, and it can model the scene."""
+    """Raise ValueError unless there is a GPU and the sum on it can model the scene."""
     check_scene(scene)
     find_gpu()
 
 
-def gain_on_gpu(scene: Scene, solver: Solver, grid: VelocityGrid, nodes: Nodes) -> DeviceGainSum:
-    """The sum over some nodes, on a GPU, in the solver's precision."""
+def gain_on_gpu(
+    scene: Scene, solver: SizedSolver, grid: VelocityGrid, nodes: Nodes
+) -> DeviceGainSum:
+    """The sum over ``nodes`` on a GPU, in the solver's precision."""
     return DeviceGainSum(scene, grid, nodes, find_gpu(), solver.precision)
 
 
-def fast_on_gpu(scene: Scene, solver: Solver) -> NodalOperator:
-    """The operator with the solver's rule."""
+def fast_on_gpu(scene: Scene, solver: SizedSolver) -> NodalOperator:
+    """The fast operator with the solver's rule, its sum on a GPU."""
     return fast_operator(scene, solver, gain_on_gpu)
 
 
-def adaptive_on_gpu(scene: Scene, solver: Solver) -> AdaptiveOperator:
-    """The operator tuned to the solver's tolerance; its quadrature is chosen on the CPU."""
+def adaptive_on_gpu(scene: Scene, solver: SizedSolver) -> AdaptiveOperator:
+    """The operator tuned to the solver's tolerance, its sum on a GPU. The quadrature is chosen on the CPU."""
     return AdaptiveOperator(scene, solver, gain_on_gpu)

@@ -1,0 +1,66 @@
+"""Studies of the tests: loaded from text and computed into files; and a copy of the package to edit."""
+
+import shutil
+from pathlib import Path
+
+from granstudy.model.solver import Choice, SizedSolver, Solver
+from granstudy.study.execute import execute_job
+from granstudy.study.run_key import run_fingerprint, run_keys
+from granstudy.study.study import load_study
+from granstudy.support import fingerprint
+
+
+def load_text(folder, text, name="test"):
+    """The study of that name whose file, in a folder, has this text."""
+    path = Path(folder) / f"{name}.yaml"
+    path.write_text(text)
+    return load_study(path)
+
+
+def replaced(text, old, new):
+    """A study's text with one thing in it changed, which must be there."""
+    assert old in text
+    return text.replace(old, new, 1) if old else text
+
+
+def computed(runs, folder):
+    """Compute an experiment's runs, given by path, as a job does; their files in the same order."""
+    runs = list(runs.values())
+    files = [str(Path(folder) / f"{run.path}.nc") for run in runs]
+    execute_job(runs, run_keys(runs), files, 1, Path(folder) / ".unfinished")
+    return files
+
+
+def code(kind, method="fast", **fields):
+    """Fingerprint of the code of runs by a solver; N and R count as open where they are None."""
+    asked = Solver(**{"N": 8, "R": 7.0, "method": method} | fields)
+    chosen = "radial" if asked.traits.chooses else method
+    solver = SizedSolver(**{"N": 8, "R": 7.0} | fields | {"N": 8, "R": 7.0, "method": chosen})
+    return run_fingerprint(kind, Choice(asked, solver, ""))
+
+
+class Package:
+    """A copy of the package that fingerprints are taken of while it is the one in use."""
+
+    def __init__(self, folder):
+        self.path = folder / "granstudy"
+        ignored = shutil.ignore_patterns("__pycache__", "*.nb*")
+        shutil.copytree(fingerprint.PACKAGE, self.path, ignore=ignored)
+
+    def edit(self, file, old, new):
+        """Change the first occurrence of some text in a file."""
+        path = self.path / file
+        path.write_text(replaced(path.read_text(), old, new))
+        self.forget()
+
+    def move(self, folder):
+        """Lie somewhere else from now on."""
+        shutil.copytree(self.path, folder / "granstudy")
+        self.path = fingerprint.PACKAGE = folder / "granstudy"
+        self.forget()
+
+    @staticmethod
+    def forget():
+        """Read every file anew."""
+        for reads in (fingerprint.imported_modules, fingerprint.is_fork, fingerprint._tree):
+            reads.cache_clear()
