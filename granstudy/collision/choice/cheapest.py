@@ -14,7 +14,8 @@ import math
 from dataclasses import replace
 
 from granstudy.collision.carleman import scenes as carleman_scenes
-from granstudy.collision.choice.cost import CARLEMAN, DIRECT, FAST, estimate
+from granstudy.collision.choice.cost import estimate
+from granstudy.collision.choice.method_costs import CARLEMAN, DIRECT, FAST
 from granstudy.model.isotropy import check_isotropic
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 from granstudy.collision.carleman import scenes as carleman_scenes
 from granstudy.collision.carleman.operator import CarlemanOperator
-from granstudy.collision.choice.cost import CARLEMAN, DIRECT, FAST, LITERAL, RADIAL, MethodCost
+from granstudy.collision.choice.cost import MethodCost
+from granstudy.collision.choice.method_costs import CARLEMAN, DIRECT, FAST, LITERAL, RADIAL
 from granstudy.collision.direct import DirectOperator
 from granstudy.collision.fast.adaptive.operator import AdaptiveOperator
 from granstudy.collision.fast.gpu.device import check_scene as check_gpu_scene
