@@ -56,7 +56,7 @@ class Forecast:
     transforms : int
         Fourier transforms in an evaluation.
     n : int
-        Points a dimension of most of those transforms.
+        Points a dimension of most transforms.
     threads : int
     seconds_per_evaluation : float
     evaluations : int

@@ -68,7 +68,8 @@ def simulate(
         possible (docs/method.md §9). Mass and momentum then stay constant; collisions take energy at the
         exact rate, summed over all pairs of the density. A radial grid has no momentum.
     save_every : int, optional
-        Keep the density at every so many outputs, and at the first and the last. Default: none is kept.
+        Keep the density at the first output, at every ``save_every``-th after it, and at the last. Default:
+        no density is kept.
     progress : bool, optional
         Show a progress bar. Default: where a person watches (a terminal).
 

@@ -26,7 +26,7 @@ EVEN_SIZES = (12, 20)
 
 UNEVEN = 2.2
 """Time of a point in real transforms of other sizes, over its time in fast ones: FFTW's estimated plans of 24
-points a dimension take longer than those of 32."""
+points a dimension take longer than plans of 32."""
 
 SECONDS_PER_CALL = 1.0e-4
 """Seconds of one evaluation, whatever its size: checks, and handing shares to threads."""
