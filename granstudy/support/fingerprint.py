@@ -16,8 +16,9 @@ PACKAGE = Path(__file__).parents[1]
 FORK_NAME = "FORK"
 """Name that a module defines to say that it is a fork.
 
-A fork only chooses between others, or says what can be chosen. It is neither followed nor hashed: whoever asks
-for a fingerprint names the branch that is taken. So a new method, a row in such a module, changes no run.
+A fork only chooses between other modules, or says what can be chosen. It is neither followed nor hashed:
+whoever asks for a fingerprint names the branch that is taken. So a new method, a row in such a module,
+changes no run.
 """
 
 

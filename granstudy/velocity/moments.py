@@ -26,7 +26,7 @@ class Moment:
         (the moment of g, θ, d) ↦ the moment of f(v) = θ^{−d} g((v−u)/θ), which keeps ρ. None where the bulk
         velocity counts too (`granstudy.evolution.frames.physical`).
     dimensions : tuple of str
-        Of a vector or a tensor.
+        Dimensions of a vector or a tensor, empty for a scalar.
     """
 
     long_name: str
@@ -127,6 +127,6 @@ def moments(f: np.ndarray, grid: VelocitySpace) -> xr.Dataset:
 
 
 def moment_values(f: np.ndarray, grid: VelocitySpace) -> dict[str, Any]:
-    """The moments as plain arrays, for use at every step."""
+    """The moments of `MOMENTS` as plain arrays, for use at every step."""
     m = grid.velocity_moments(f)
     return {name: moment.value(m, f, grid) for name, moment in MOMENTS.items()}
