@@ -1,1 +1,1 @@
-"""Datasets."""
+"""A run as a labelled xarray dataset and a NetCDF file, and many runs opened as one."""

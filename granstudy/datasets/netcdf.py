@@ -1,4 +1,4 @@
-"""NetCDF files that appear whole or not at all, with a checksum of what they hold."""
+"""NetCDF files of runs: written whole or not at all, with a checksum of what they hold."""
 
 import hashlib
 import json
@@ -14,29 +14,22 @@ import xarray as xr
 from granstudy.support.files import write_whole
 
 
-def payload_checksum(ds: xr.Dataset) -> str:
-    """SHA-256 over names, dimensions and bytes of all variables."""
-    digest = hashlib.sha256()
-    for name in sorted(map(str, ds.variables)):
-        variable = ds.variables[name]
-        values = np.ascontiguousarray(variable.values)
-        if values.dtype.kind in "OUST":
-            content = json.dumps(values.tolist()).encode()
-        else:
-            content = values.tobytes()
-        digest.update(f"{name}{variable.dims}".encode())
-        digest.update(content)
-    return digest.hexdigest()
-
-
 def write_dataset(
     ds: xr.Dataset, path: str | Path, duration: float | None = None, sidecar: bool = True
 ) -> None:
-    """Write a dataset to NetCDF, whole or not at all, with a checksum of its payload.
+    """Write a dataset to a NetCDF file, whole or not at all, with a checksum of its payload.
 
-    The file is written beside the target, synchronised and renamed. What varies from run to run (time,
-    host, ``duration`` in seconds) goes to ``<path>.json``, so that the same run gives the same bytes;
-    ``sidecar=False`` leaves that out.
+    The same run gives the same bytes: what varies from run to run goes to a JSON file beside it.
+
+    Parameters
+    ----------
+    ds : xarray.Dataset
+    path : str or Path
+        Folders above it are made where they are missing.
+    duration : float, optional
+        Wall time of the run in seconds.
+    sidecar : bool
+        Whether ``<path>.json`` is written too: time of writing, host and ``duration``.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -51,22 +44,13 @@ def write_dataset(
     write_whole(path, lambda partial: ds.to_netcdf(partial, engine="netcdf4", encoding=encoding))
 
 
-def _write_sidecar(path: Path, duration: float | None) -> None:
-    content = {
-        "written": datetime.now(UTC).isoformat(timespec="seconds"),
-        "host": platform.node(),
-        "duration_seconds": duration,
-    }
-    write_whole(path, lambda partial: partial.write_text(json.dumps(content, indent=1) + "\n"))
-
-
 def read_dataset(path: str | Path) -> xr.Dataset:
-    """Read a dataset into memory and verify its checksum.
+    """Read a dataset into memory, and verify its checksum.
 
     Raises
     ------
     ValueError
-        If the file has no checksum or holds another payload than was written.
+        If the file has no checksum, or does not match it.
     """
     with xr.open_dataset(path, engine="netcdf4") as stored:
         ds = stored.load()
@@ -79,5 +63,30 @@ def read_dataset(path: str | Path) -> xr.Dataset:
 
 
 def run_seconds(file: str) -> float:
-    """Wall time of the run in a file, set-up included, by its sidecar."""
+    """Wall time in seconds of the run in a file, set-up included; the JSON file beside it says."""
     return float(json.loads(Path(f"{file}.json").read_text())["duration_seconds"])
+
+
+def payload_checksum(ds: xr.Dataset) -> str:
+    """SHA-256, in hexadecimal, over names, dimensions and bytes of all variables."""
+    digest = hashlib.sha256()
+    for name in sorted(map(str, ds.variables)):
+        variable = ds.variables[name]
+        values = np.ascontiguousarray(variable.values)
+        if values.dtype.kind in "OUST":
+            content = json.dumps(values.tolist()).encode()
+        else:
+            content = values.tobytes()
+        digest.update(f"{name}{variable.dims}".encode())
+        digest.update(content)
+    return digest.hexdigest()
+
+
+def _write_sidecar(path: Path, duration: float | None) -> None:
+    """Write what varies from run to run."""
+    content = {
+        "written": datetime.now(UTC).isoformat(timespec="seconds"),
+        "host": platform.node(),
+        "duration_seconds": duration,
+    }
+    write_whole(path, lambda partial: partial.write_text(json.dumps(content, indent=1) + "\n"))

@@ -11,45 +11,52 @@ import xarray as xr
 
 from granstudy.datasets.parameters import ABSENT
 from granstudy.support.errors import unknown_name
+from granstudy.support.variables import attributes
 from granstudy.trust.flags import Status
 
 NOT_SWEPT = ("N_theta", "N_phi", "time")
 """Coordinates of a run that follow from others."""
 
 VELOCITY_AXES = {"vx", "vy", "vz", "r", "cx", "cy", "cz", "c"}
-"""Axes of densities, of rescaled ones too."""
+"""Axes of densities: velocities v of fixed frames, scaled velocities c of rescaled ones."""
 
 OF_STATES = {"iteration", "tail_speed"}
-"""Axes of how a state was found, and of its tail."""
-
+"""Axes that datasets of states alone have: steps of Newton's method, and speeds in the tail."""
 
 Where = str | Path | Iterable[str | Path]
+"""Where runs lie: a folder, a glob pattern, or the files themselves."""
 
 
 def open_runs(where: Where, densities: bool = True) -> xr.Dataset:
-    """Open runs lazily as one dataset over ``run``.
+    """Open many runs as one dataset over ``run``; values stay on disk until they are used.
 
     Parameters
     ----------
     where : str, Path or iterable of them
-        A folder (all runs under it, references left out), a glob pattern, or the files themselves.
+        A folder (all runs under it, references excluded), a glob pattern, or the files themselves.
     densities : bool
-        Whether with the densities, if any were kept; without them runs of all grids go into one array.
+        Whether to open kept densities too. Without densities, runs of all grids go into one array.
 
     Returns
     -------
     xarray.Dataset
-        Variables with a leading dimension ``run``, as Dask arrays; every parameter (e, N, variant,
-        dt, ...) is a coordinate along ``run``. `status` says how a run ended, `reason` and
-        `warnings` why. Times after the end of a run that ended early hold NaN. A parameter that only
-        some runs have is −1, "" or False in the others, as `ABSENT` says.
+        Every variable has the leading dimension ``run``; every parameter (e, N, variant, dt, ...) is a
+        coordinate along ``run``.
+
+        ====================  ===========================================================
+        `status`              how a run ended: ok, failed, diverged
+        `reason`              why a run ended early
+        `warnings`            what was noticed of a run
+        after an early end    NaN
+        an absent parameter   −1, "" or False (`granstudy.datasets.parameters.ABSENT`)
+        ====================  ===========================================================
 
     Raises
     ------
     FileNotFoundError
         If there is no run.
     ValueError
-        If the runs' times or velocity grids do not go into one array.
+        If runs differ in ``dt``, or, with densities, in their velocity grid: they have no common array.
 
     See Also
     --------
@@ -72,10 +79,10 @@ def open_runs(where: Where, densities: bool = True) -> xr.Dataset:
 
 
 def final_values(where: Where) -> xr.Dataset:
-    """Open every run's moments and errors at its last time, as one dataset over ``run``.
+    """Open moments and errors of many runs at the last time of each, as one dataset over ``run``.
 
-    As `open_runs`, without densities; `time` is a coordinate along ``run``. `density_drift` is the
-    relative change of the density from first to last time.
+    The dataset is that of `open_runs` without densities, with two differences: `time` is a coordinate along
+    ``run``, and `density_drift` is the relative change of the density from first to last time.
     """
     return _open(where, _at_last_time)
 
@@ -86,15 +93,15 @@ def unstack_runs(runs: xr.Dataset, over: Sequence[str] | None = None) -> xr.Data
     Parameters
     ----------
     runs : xarray.Dataset
-        From `open_runs` or `final_values`.
+        The dataset of `open_runs` or `final_values`.
     over : sequence of str, optional
-        Parameters to make dimensions of; by default all that take more than one value.
+        Parameters that become dimensions; by default all with more than one value.
 
     Returns
     -------
     xarray.Dataset
-        Parameters with one value are scalar coordinates. Where there is no run, `status` is −1,
-        "missing" (and other variables NaN, "" or −1).
+        Parameters with one value become scalar coordinates. Where there is no run, `status` is −1
+        (missing), and other variables are NaN, "" or −1.
 
     Raises
     ------
@@ -126,7 +133,7 @@ def unstack_runs(runs: xr.Dataset, over: Sequence[str] | None = None) -> xr.Data
 
 
 def run_files(where: Where) -> list[str]:
-    """List the files of the runs in a folder, of a glob pattern, or as given."""
+    """Files of the runs in a folder, of a glob pattern, or as given; FileNotFoundError if there are none."""
     if not isinstance(where, (str, Path)):
         files = [str(path) for path in where]
     elif Path(where).is_dir():
@@ -134,7 +141,7 @@ def run_files(where: Where) -> list[str]:
             str(path)
             for path in Path(where).rglob("*.nc")
             if "reference" not in path.relative_to(where).parts
-            # neither half-written files nor those of unfinished jobs
+            # excludes half-written files and files of unfinished jobs
             and not any(part.startswith(".") for part in path.relative_to(where).parts)
         )
     else:
@@ -145,6 +152,7 @@ def run_files(where: Where) -> list[str]:
 
 
 def _open(where: Where, select: Callable[[xr.Dataset], xr.Dataset]) -> xr.Dataset:
+    """Open runs over ``run``, each reduced by ``select`` first."""
     known: set[Hashable] = set()
 
     def preprocess(ds: xr.Dataset) -> xr.Dataset:
@@ -160,7 +168,7 @@ def _open(where: Where, select: Callable[[xr.Dataset], xr.Dataset]) -> xr.Datase
         data_vars="minimal",
         coords="minimal",
         compat="override",
-        # Runs that ended early have fewer times; the times they have are the same numbers.
+        # Runs that ended early have fewer times; the times that they have are the same numbers.
         join="outer",
         combine_attrs="drop_conflicts",
     )
@@ -168,7 +176,7 @@ def _open(where: Where, select: Callable[[xr.Dataset], xr.Dataset]) -> xr.Datase
 
 
 def _labelled(ds: xr.Dataset) -> xr.Dataset:
-    """One run with a dimension ``run``, its parameters along it."""
+    """One run with a dimension ``run``, and its parameters along ``run``."""
     status = ds["status"]
     texts = {name: ((), status.attrs.pop(name, "")) for name in ("reason", "warnings")}
     scalars = {name: c.values for name, c in ds.coords.items() if c.ndim == 0}
@@ -178,24 +186,26 @@ def _labelled(ds: xr.Dataset) -> xr.Dataset:
 
 
 def _without_densities(ds: xr.Dataset) -> xr.Dataset:
+    """The run without kept densities and their axes."""
     return ds.drop_dims(({"snapshot"} | VELOCITY_AXES) & set(ds.dims))
 
 
 def _at_last_time(ds: xr.Dataset) -> xr.Dataset:
+    """The run at its last time, NaN where it ended before its first moments."""
     ds = _without_densities(ds)
     ds = ds.drop_dims(OF_STATES & set(ds.dims))
     if "time" not in ds.dims:
         return ds
-    if ds.sizes["time"] == 0:  # diverged before its first moments
+    if ds.sizes["time"] == 0:
         ds = ds.reindex(time=[np.nan])
     density = ds["density"]
     ds["density_drift"] = density[-1] / density[0] - 1.0
-    ds["density_drift"].attrs = {"long_name": "density, last over first, minus 1", "units": "1"}
+    ds["density_drift"].attrs = attributes("density, last over first, minus 1")
     return ds.isel(time=-1)
 
 
 def _hole(name: Hashable, dtype: np.dtype) -> Any:
-    """Return what stands where there is no run."""
+    """The value that stands where there is no run."""
     if name == "status":
         return np.int8(Status.MISSING)
     if dtype.kind in "iu":

@@ -1,4 +1,4 @@
-"""Every parameter of a run, once: symbol, heading in tables, and what stands for it where a run has none."""
+"""Every parameter of a run, once: its symbol, its heading in tables, its value for runs without it."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -11,15 +11,15 @@ class Parameter:
     Attributes
     ----------
     symbol : str
-        On figures, as Matplotlib's mathematics.
+        Symbol on figures, as Matplotlib's mathematics.
     heading : str
-        In tables; "" stands for the name itself.
+        Heading in tables; "" stands for the name itself.
     absent : object
-        Value in a dataset of many runs for those that do not have the parameter; None: every run has it.
+        Value in a dataset of many runs for runs without the parameter; None where every run has it.
     real : bool
-        Whether it is a real number, so that a study file's 1 means 1.0.
+        Whether the parameter is a real number, so that 1 in a study file means 1.0.
     follows : bool
-        Whether it follows from others and so cannot be swept.
+        Whether the parameter follows from others, and so cannot be swept.
     """
 
     symbol: str = ""
@@ -61,7 +61,7 @@ PARAMETERS: dict[str, Parameter] = {
 """All parameters by the name of their coordinate, in the order of a run's path."""
 
 SWEPT = tuple(name for name, parameter in PARAMETERS.items() if not parameter.follows)
-"""What a study can sweep."""
+"""Parameters that a study can sweep."""
 
 ABSENT = {name: p.absent for name, p in PARAMETERS.items() if p.absent is not None}
-"""What stands for a parameter that a run does not have, beside runs that have it."""
+"""Values that stand for a parameter in runs without it, beside runs with it."""

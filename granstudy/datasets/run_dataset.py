@@ -1,4 +1,4 @@
-"""What the datasets of all runs have in common: coordinates, status, provenance, kept densities."""
+"""The parts that datasets of all runs share: coordinates, status, provenance, kept densities."""
 
 import json
 import subprocess
@@ -14,18 +14,21 @@ import xarray as xr
 
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Choice, Solver
-from granstudy.trust.flags import Status
+from granstudy.support.variables import labelled
+from granstudy.trust.flags import Status, flag_variable
 from granstudy.velocity.moments import COMPONENTS
 from granstudy.velocity.space import VelocitySpace
 
 CONVENTIONS = "CF-1.11"
+"""Version of the CF conventions that names and attributes follow."""
+
 LIBRARIES = ("granstudy", "numpy", "scipy", "pyfftw", "numba", "xarray")
-"""Packages whose versions a dataset names."""
+"""Packages whose versions a dataset records."""
 
 
 @dataclass(frozen=True)
 class Header:
-    """What a dataset says of a run that is known before its first step.
+    """All that a dataset says of its run and that is known before the first step.
 
     Attributes
     ----------
@@ -33,11 +36,11 @@ class Header:
         What was computed, in a word or two.
     scene : Scene
     solver : Solver
-        What computed it; nothing is open.
+        The solver that computed it; nothing is open.
     times : mapping
-        Coordinates that say how the run goes through time.
+        Parameters of time (`granstudy.evolution.times.TimeSettings.coordinates`).
     attributes : mapping
-        What the dataset says of the choice of what the solver left open.
+        Attributes on the choice of solver (`granstudy.model.solver.Choice.attributes`).
     """
 
     title: str
@@ -50,11 +53,11 @@ class Header:
     def of(
         cls, title: str, scene: Scene, choice: Choice, times: Mapping[str, Any] | None = None
     ) -> "Header":
-        """The header of a run by the solver that was chosen."""
+        """The header of a run with the solver of a choice."""
         return cls(title, scene, choice.solver, times or {}, choice.attributes())
 
     def coordinates(self) -> dict[str, Any]:
-        """Every parameter of the run as a scalar coordinate, in the order of a path."""
+        """Every parameter of the run, in the order of a run's path."""
         return {
             **self.scene.coordinates(),
             **self.solver.coordinates(self.scene.dim),
@@ -64,7 +67,7 @@ class Header:
 
 @dataclass(frozen=True)
 class Ending:
-    """How a run ended, why where it stopped early, and what there was to warn of."""
+    """How a run ended: its status, the reason of an early end, and its warnings."""
 
     status: Status = Status.OK
     reason: str = ""
@@ -73,24 +76,26 @@ class Ending:
 
 @dataclass
 class Record:
-    """What a simulation leaves, filled output by output.
+    """All that a simulation leaves, filled output by output.
 
     Attributes
     ----------
     times : list of float
         Times of the outputs reached.
     moments : list of dict
-        Moments of f at each (`granstudy.velocity.moments.moment_values`).
+        Moments of f at each output (`granstudy.velocity.moments.moment_values`).
     snapshots : dict of ndarray
-        Densities kept, by time.
+        Kept densities, by time.
     health : list of dict
-        What was measured at each output, by the names of `granstudy.trust.health.SIGNS`.
+        Signs of health at each output, by the names of `granstudy.trust.health.SIGNS`.
     plans : list of dict
-        Quadratures that a tolerance came to, each with the time it was in use from.
+        Quadratures chosen for a tolerance, each with the time from which it was in use.
     warnings : dict of str
-        What there was to say, by name: the first of each.
-    status, reason : Status, str
-        How it ended, and why where it stopped early.
+        Warnings by name; the first of each name is kept.
+    status : Status
+        How the run ended.
+    reason : str
+        Why the run ended early; "" where it did not.
     """
 
     times: list[float] = field(default_factory=list)
@@ -103,23 +108,18 @@ class Record:
     reason: str = ""
 
     def warn(self, time: float, texts: Mapping[str, str]) -> None:
-        """Keep what is said for the first time, with the time."""
+        """Keep the warnings whose names are new, with the time."""
         for name, text in texts.items():
             self.warnings.setdefault(name, f"from t = {time:g}: {text}")
 
     @property
     def ending(self) -> Ending:
-        """How it ended, with what there was to warn of."""
+        """How the run ended, with its warnings."""
         return Ending(self.status, self.reason, tuple(self.warnings.values()))
 
 
-def labelled(values: Any, long_name: str, dims: str | Sequence[str] = (), **more: Any) -> Any:
-    """A dimensionless variable with its long name, as xarray takes it."""
-    return dims, values, {"long_name": long_name, "units": "1", **more}
-
-
 def time_axes(dim: int, times: Sequence[float] | np.ndarray) -> dict[str, Any]:
-    """Coordinates of moments over time: the times, and the components of vectors and tensors."""
+    """Coordinates of moments: the times, and the components of vectors and tensors."""
     components = list(COMPONENTS[:dim])
     return {
         "time": labelled(np.array(times), "time t", "time"),
@@ -131,7 +131,7 @@ def time_axes(dim: int, times: Sequence[float] | np.ndarray) -> dict[str, Any]:
 def kept_densities(
     grid: VelocitySpace, snapshots: Mapping[float, np.ndarray], rescaled: bool
 ) -> xr.Dataset:
-    """The densities f that a run kept over ``snapshot``; of a rescaled one g over c in place of v."""
+    """Kept densities over ``snapshot``: f over velocities v, of a rescaled run g over c = (v−u)/θ."""
     name, long_name = (
         ("g", "density g = θ^d f over c = (v−u)/θ") if rescaled else ("f", "velocity density f")
     )
@@ -144,7 +144,7 @@ def kept_densities(
 
 
 def on_scaled_velocities(ds: xr.Dataset, axes: tuple[str, ...]) -> xr.Dataset:
-    """The dataset with a grid's ``axes`` named as velocities c = (v−u)/θ, not v."""
+    """The dataset with the ``axes`` of its grid renamed from v to the scaled velocities c = (v−u)/θ."""
     scaled = {axis: f"c{axis[1:]}" for axis in axes}
     ds = ds.rename(scaled | ({"r_weight": "c_weight"} if "r_weight" in ds else {}))
     for axis in scaled.values():
@@ -160,18 +160,13 @@ def stamped(
     Parameters
     ----------
     plans : sequence of dict
-        Quadratures that a tolerance came to; they become the attribute `quadrature`.
+        Quadratures chosen for a tolerance; they become the attribute `quadrature`.
     """
-    ds["status"] = (
-        (),
-        np.int8(ending.status),
-        {
-            "long_name": "how the run ended",
-            "flag_values": np.array([s.value for s in Status], dtype=np.int8),
-            "flag_meanings": " ".join(s.name.lower() for s in Status),
-            "reason": ending.reason,
-            "warnings": "\n".join(ending.warnings),
-        },
+    ds["status"] = flag_variable(
+        ending.status,
+        "how the run ended",
+        reason=ending.reason,
+        warnings="\n".join(ending.warnings),
     )
     ds = ds.assign_coords(header.coordinates())
     ds.attrs = {
@@ -190,7 +185,7 @@ def stamped(
 
 @cache
 def git_commit() -> str:
-    """Commit of the checkout that the package runs from, or "" outside one."""
+    """Commit of the checkout that the package runs from; "" outside a checkout."""
     try:
         answer = subprocess.run(
             ["git", "rev-parse", "HEAD"],

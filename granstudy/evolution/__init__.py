@@ -1,1 +1,1 @@
-"""Evolution."""
+"""A density through time: frames, schemes and steps, conservation, and forecasts of runs."""

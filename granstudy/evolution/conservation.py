@@ -8,7 +8,7 @@ from granstudy.evolution.unknowns import Representation
 from granstudy.velocity.space import VelocitySpace
 
 Projection = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""(state, Q of that state) ↦ Q*."""
+"""(state, Q of the state) ↦ Q*, the corrected Q."""
 
 
 def projection(
@@ -16,19 +16,27 @@ def projection(
     conserve: Sequence[str],
     energy_rate: Callable[[np.ndarray], float] = lambda f: 0.0,
 ) -> Projection:
-    """The least change of Q that gives ∫φ_i Q* dv its exact value for the φ_i asked for.
+    """The least change of Q after which the chosen invariants are balanced exactly.
 
-    That is 0 for mass and momentum, and for energy ``energy_rate`` of f: what collisions of all its pairs
-    change (`granstudy.trust.pair_rates`), 0 at e = 1.
+    Let φ_i be the chosen invariants, E'_i the exact values of ∫φ_i Q dv, and M the Maxwellian with the ρ, u
+    and T of the gas. Among all Q* with these integrals, the one with the least ∫(Q* − Q)²/M dv is
 
-    After I. Gamba & S. Tharkabhushanam, J. Comput. Phys. 228, 2012 (2009), but with the change measured over
-    the Maxwellian M of the gas's own ρ, u, T. Of all Q* the one with the least ∫(Q* − Q)²/M dv is, with
-    Lagrange multipliers λ_j and integrals by the grid's own weights,
+        Q* = Q − M Σ_j λ_j φ_j,   Σ_j (∫φ_i M φ_j dv) λ_j = ∫φ_i Q dv − E'_i,
 
-        Q* = Q − M Σ_j λ_j φ_j,   Σ_j (∫φ_i M φ_j dv) λ_j = ∫φ_i Q dv − E'_i,   E' the exact value.
+    with Lagrange multipliers λ_j and integrals by the grid's own weights. The method is that of I. Gamba &
+    S. Tharkabhushanam, J. Comput. Phys. 228, 2012 (2009), whose measure has no M. Without M the change would
+    fill the whole box and spoil the higher moments. On a radial grid momentum is 0 by construction, and asks
+    for nothing.
 
-    Without M the change would fill the whole box and spoil the higher moments (docs/method.md §9). On a
-    radial grid momentum is 0 by construction and asks for nothing.
+    Parameters
+    ----------
+    form : Representation
+        Kind of the states.
+    conserve : sequence of str
+        Names of invariants, in the order of `granstudy.velocity.space.INVARIANTS`. None: Q is left as it is.
+    energy_rate : callable
+        f ↦ E' of the energy: the rate by all pairs of f (`granstudy.trust.pair_rates`), 0 at e = 1. Those of
+        mass and momentum are 0.
     """
     if not conserve:
         return lambda state, Q: Q
@@ -51,7 +59,7 @@ def projection(
 
 
 def _maxwellian(grid: VelocitySpace, f: np.ndarray) -> np.ndarray:
-    """e^{−|v−u|²/2T} with the u and T of a density."""
+    """e^{−|v−u|²/2T} with u and T of the density f."""
     m = grid.velocity_moments(f)
     u = m.momentum / m.density
     T = np.trace(m.pressure) / (grid.dim * m.density)

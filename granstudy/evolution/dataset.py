@@ -9,13 +9,13 @@ from granstudy.datasets.run_dataset import (
     Header,
     Record,
     kept_densities,
-    labelled,
     stamped,
     time_axes,
 )
+from granstudy.support.variables import labelled
 from granstudy.trust.exact_law import add_exact_law
 from granstudy.trust.health import health_variables
-from granstudy.velocity.moments import DIMENSIONS, FRAME_LONG_NAMES, LONG_NAMES
+from granstudy.velocity.moments import FRAME, MOMENTS, Quantity
 from granstudy.velocity.space import VelocitySpace
 
 
@@ -24,22 +24,36 @@ def evolution_dataset(
 ) -> xr.Dataset:
     """Dataset of a simulation: moments over ``time``, densities over ``snapshot``, status, trust.
 
-    A rescaled run has the frame's θ, u and τ over ``time``, too, and keeps g over the scaled velocities in
+    A rescaled run also has θ, u and τ of its frame over ``time``, and keeps g over the scaled velocities in
     place of f.
 
-    Where an exact temperature law is known (Maxwell molecules, constant e) it holds two references and
-    two errors: `temperature_error`, of the temperature divided by the density, against the law with that
-    density; and `paper_temperature_error`, the paper's measure, of 2E/d against the law of unit density.
-    Both laws start from the discrete initial value.
+    For Maxwell molecules at constant e, laws of T are known exactly, and each gives a variable `.._exact` and
+    a variable `.._error` (`granstudy.trust.exact_law.add_exact_law`):
+
+    =======================  =================================  ============================
+    error                    of                                 against the law of
+    =======================  =================================  ============================
+    temperature_error        T                                  the run's initial density
+    paper_temperature_error  2E/d, as the paper measures        unit density
+    =======================  =================================  ============================
+
+    Parameters
+    ----------
+    header : Header
+    grid : VelocitySpace
+        Grid of the kept densities.
+    record : Record
+    rescaled : bool
+        Whether the frame is rescaled.
     """
-    names = LONG_NAMES | (FRAME_LONG_NAMES if rescaled else {})
+    quantities: dict[str, Quantity] = {**MOMENTS, **(FRAME if rescaled else {})}
     data: dict[str, Any] = {
         name: labelled(
             np.array([values[name] for values in record.moments]),
-            long_name,
-            ("time", *DIMENSIONS.get(name, ())),
+            quantity.long_name,
+            ("time", *quantity.dimensions),
         )
-        for name, long_name in names.items()
+        for name, quantity in quantities.items()
     }
     ds = xr.Dataset(data, coords=time_axes(grid.dim, record.times))
     add_exact_law(ds, header.scene)

@@ -38,21 +38,23 @@ Frame = FixedFrame | RescaledFrame
 def evolve(
     scene: Scene, choice: Choice, settings: TimeSettings, progress: bool | None = None
 ) -> xr.Dataset:
-    """Advance a scene's initial density; see `granstudy.simulate`.
+    """Advance the initial density of a scene on a grid; see `granstudy.simulate`.
 
     Parameters
     ----------
+    scene : Scene
     choice : Choice
-        The solver, with what it left open chosen.
+        The solver asked for, and the one chosen.
+    settings : TimeSettings
     progress : bool, optional
-        Show a progress bar; by default where a person watches (a terminal).
+        Show a progress bar. Default: where a person watches (a terminal).
     """
     header = Header.of("evolution", scene, choice, settings.coordinates())
     run = _prepare(scene, choice.solver, settings)
     observer = _Observer(scene, settings, run)
     record = observer.record
     hidden = None if progress is None else not progress
-    # Overflow and NaN are looked for by the observer, in one place.
+    # The observer looks for overflow and NaN, in one place.
     with (
         np.errstate(over="ignore", invalid="ignore", divide="ignore"),
         tqdm(total=run.steps.outputs, disable=hidden) as bar,
@@ -71,7 +73,7 @@ def evolve(
 
 @dataclass(frozen=True)
 class _Prepared:
-    """All that is known before the first step."""
+    """All that is made before the first step."""
 
     operator: CollisionOperator
     rates: RatesAt
@@ -81,13 +83,14 @@ class _Prepared:
 
 
 def _prepare(scene: Scene, solver: SizedSolver, settings: TimeSettings) -> _Prepared:
+    """Make operator, exact rates, frame, steps and the first state."""
     velocity = np.zeros(scene.dim)
     if settings.rescaled and not solver.traits.radial:
         scene, velocity = centred(scene, solver)
     operator = collision_operator(scene, solver)
     form = representation(operator, scene.symmetry)
     rates = RatesAt(scene, form.grid)
-    project = projection(form, settings.conserve, energy_rate(rates, scene, settings))
+    project = projection(form, settings.conserve, _energy_rate(rates, scene, settings))
     Q = collisions(operator)
     frame: Frame
     if settings.rescaled:
@@ -105,17 +108,17 @@ def _prepare(scene: Scene, solver: SizedSolver, settings: TimeSettings) -> _Prep
     return _Prepared(operator, rates, frame, steps, frame.start(scene.density(operator.grid)))
 
 
-def energy_rate(
+def _energy_rate(
     rates: RatesAt, scene: Scene, settings: TimeSettings
 ) -> Callable[[np.ndarray], float]:
-    """The rate at which collisions of all pairs change a density's energy, where a run keeps to it."""
+    """The exact rate at which collisions change a density's energy, where a run conserves energy; else 0."""
     if "energy" in settings.conserve and scene.restitution != 1.0:
         return rates(scene.restitution).energy
     return lambda f: 0.0
 
 
 class _Observer:
-    """Watches a run step by step: moments, quadrature, health. It fills the record."""
+    """Watches a run step by step (moments, quadrature, health), and fills its record."""
 
     def __init__(self, scene: Scene, settings: TimeSettings, run: _Prepared) -> None:
         self._settings = settings
@@ -127,12 +130,12 @@ class _Observer:
         self.record = Record(health=self._examination.outputs, plans=self._tuning.plans)
 
     def see(self, point: Point) -> None:
-        """Look at a state on the way.
+        """Look at the state after a step.
 
         Raises
         ------
         StoppedError
-            If the run cannot go on from there.
+            If the run cannot go on from that state.
         """
         f = self._run.frame.density(point.state)
         values = moment_values(f, self._run.operator.grid)
@@ -148,7 +151,7 @@ class _Observer:
         self.record.warn(point.time, texts)
 
     def _output(self, point: Point, f: np.ndarray, values: dict[str, Any]) -> dict[str, str]:
-        """Record an output and examine it; returns what there is to say, by name."""
+        """Record and examine an output; returns its warnings, by name."""
         record, frame, state = self.record, self._run.frame, point.state
         every, number = self._settings.save_every, len(record.moments)
         if every is not None and (number % every == 0 or number == self._outputs - 1):
@@ -167,7 +170,7 @@ class _Observer:
         return texts | self._check_step(state)
 
     def _check_step(self, state: np.ndarray) -> dict[str, str]:
-        """Note a step of fixed size over the largest stable one; say so where it is more."""
+        """Record a fixed step over the largest stable one; returns a warning where that is above 1."""
         dt, scheme, frame = self._settings.dt, self._settings.scheme, self._run.frame
         if dt is None:
             return {}

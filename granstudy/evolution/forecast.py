@@ -1,4 +1,4 @@
-"""A forecast of a run: the method and why, what an evaluation of Q takes, seconds, memory, error."""
+"""Forecasts: method, nodes, evaluations, seconds, memory and error of a run before it starts."""
 
 import dataclasses
 import math
@@ -17,54 +17,60 @@ from granstudy.evolution.times import TimeSettings
 from granstudy.model.methods import METHODS
 from granstudy.model.restitution import check_restitution
 from granstudy.model.scene import Scene
-from granstudy.model.solver import SizedSolver, Solver
+from granstudy.model.solver import Choice, SizedSolver, Solver
 from granstudy.particles.cost import EFFICIENCY, particle_cost
 from granstudy.particles.restitution_table import alpha_table
 from granstudy.theory import haff_constant
 
 NOT_TIMED = "seconds are those of device 'cpu'"
-"""What is said of a run on a GPU: no constants of `granstudy.collision.choice.cost` are."""
-
+"""Remark on a run on a GPU: the constants of `granstudy.collision.choice.cost` were measured on a CPU."""
 
 STEPS_PER_COLLISION = 5.0
 """Steps of an adaptive run in a unit of collision time: 2 near e = 1, 10 where velocities shrink fast."""
 
 SECONDS_PER_STEP = 2.5e-4
-"""Of a step's moments and checks whatever the grid."""
+"""Seconds of a step's moments and checks, whatever the grid."""
 
 SECONDS_PER_STEP_POINT = 3.0e-8
-"""Of a step's sums, moments and checks, a grid point."""
+"""Seconds of a step's sums, moments and checks, for each grid point."""
 
 
 @dataclass(frozen=True, repr=False)
 class Forecast:
-    """What a run will be like, before it starts.
+    """What a run will take, and how accurate its Q will be, before it starts.
 
     Attributes
     ----------
-    method, reason : str
-        The method, and why where it was chosen.
-    dim, N, R
-        Velocity dimension, points (for `radial` speeds) and truncation radius.
+    method : str
+    reason : str
+        Why the method was chosen; "" where it was asked for.
+    dim : int
+        Velocity dimension.
+    N : int
+        Points in each dimension; for `radial`, speeds.
+    R : float
+        Truncation radius.
     nodes : int
-        Nodes of the sum an evaluation makes: pairs ±g or orbits of `fast`, all of `literal`; for
-        `carleman` products, for `radial` and `direct` 0.
-    transforms, n : int
-        Fourier transforms of an evaluation, and the points a dimension of most of them.
+        Terms of the sum that an evaluation makes: pairs ±g or orbits of them (`fast`), all nodes (`literal`),
+        products (`carleman`), 0 (`radial`, `direct`).
+    transforms : int
+        Fourier transforms in an evaluation.
+    n : int
+        Points a dimension of most of those transforms.
     threads : int
     seconds_per_evaluation : float
     evaluations : int
-        Evaluations of the whole run; 1 where no time was given.
+        Evaluations in the whole run; 1 where no time was given.
     seconds : float
-        Of the whole run, its set-up included; starting Python and loading compiled loops are not.
+        Seconds of the whole run and its set-up; starting Python and loading compiled loops are excluded.
     memory_mb : int
-        Of the process.
+        Megabytes of the process.
     error : float or None
-        Estimate of what ``rtol`` bounds (`Solver.rtol`), None where nothing estimates it.
+        Estimate of the error that ``rtol`` bounds (`granstudy.Solver`); None without a tolerance.
     plan : QuadraturePlan or None
-        The quadrature that a tolerance came to.
+        The quadrature chosen for a tolerance.
     collisions : int
-        Of all particles together, for `dsmc`, which evaluates nothing.
+        Collisions of all particles together, for `dsmc`, which evaluates nothing.
     """
 
     method: str
@@ -89,26 +95,25 @@ class Forecast:
         return dataclasses.asdict(self)
 
     def __repr__(self) -> str:
+        end = f"{self.seconds:.2g} s on {self.threads} threads, {self.memory_mb} MB"
         if METHODS[self.method].by_particles:
             return (
                 f"Forecast: {self.method}, box of N={self.N}, R={self.R:g} in {self.dim}D\n"
-                f"  the run: {self.collisions:.2g} collisions, {self.seconds:.2g} s on {self.threads} "
-                f"threads, {self.memory_mb} MB\n"
+                f"  the run: {self.collisions:.2g} collisions, {end}\n"
                 "  error: by the batches, when it has run"
             )
+        sums = "no transforms"
+        if self.transforms:
+            points = f"{self.n}^{self.dim} points"
+            sums = f"{self.nodes} nodes, {self.transforms} transforms of {points}"
         error = "not estimated" if self.error is None else f"{self.error:.1e}"
-        lines = [
-            f"Forecast: {self.method}, N={self.N}, R={self.R:g} in {self.dim}D",
-            f"  why: {self.reason or 'as asked for'}",
-            f"  an evaluation: {self.nodes} nodes, {self.transforms} transforms of {self.n}^{self.dim}"
-            f" points, {self.seconds_per_evaluation:.2g} s"
-            if self.transforms
-            else f"  an evaluation: no transforms, {self.seconds_per_evaluation:.2g} s",
-            f"  the run: {self.evaluations} evaluations, {self.seconds:.2g} s on {self.threads} threads"
-            f", {self.memory_mb} MB",
-            f"  error of Q over max|Q|: {error}",
-        ]
-        return "\n".join(lines)
+        return (
+            f"Forecast: {self.method}, N={self.N}, R={self.R:g} in {self.dim}D\n"
+            f"  why: {self.reason or 'as asked for'}\n"
+            f"  an evaluation: {sums}, {self.seconds_per_evaluation:.2g} s\n"
+            f"  the run: {self.evaluations} evaluations, {end}\n"
+            f"  error of Q over max|Q|: {error}"
+        )
 
 
 def plan(
@@ -119,48 +124,90 @@ def plan(
     time_rtol: float | None = None,
     scheme: str | None = None,
 ) -> Forecast:
-    """Say what a run will be like: of `simulate` where its times are given, else of one evaluation.
+    """Forecast a run of `granstudy.simulate`; without times, one evaluation of Q.
 
-    A tolerance is planned for as the run would, which takes about a second. How many steps `time_rtol` takes
-    is estimated within a factor 3. Of `dsmc` the collisions are counted along the law
-    of cooling.
+    A solver that leaves grid or method open is completed, and a tolerance is planned for, as the run would
+    do; a plan takes about a second.
+
+    Parameters
+    ----------
+    scene : Scene
+    solver : Solver
+    t_final, dt, time_rtol, scheme
+        Times as of `granstudy.simulate`; ``t_final`` comes with ``dt`` or ``time_rtol``.
+
+    Returns
+    -------
+    Forecast
+        With ``time_rtol``, the number of steps is an estimate within a factor 3. For `dsmc`, collisions are
+        counted along the law of cooling.
 
     Raises
     ------
     ValueError
-        For a bad scene, solver or time, or a tolerance out of reach, or a `dsmc` without times.
+        For a bad scene, solver or time, a tolerance out of reach, or `dsmc` without times.
     """
     if (t_final is None) != (dt is None and time_rtol is None):
         raise ValueError(f"t_final={t_final!r}, dt={dt!r}: give both, or neither")
-    steps, evaluations = 0, 1
+    settings = None
     if t_final is not None:
         settings = TimeSettings(t_final, dt, time_rtol, scheme=scheme)
-        steps = expected_steps(scene, settings)
-        evaluations = expected_evaluations(scene, settings)
-    if solver.traits.by_particles:
-        if t_final is None:
-            raise ValueError(
-                f"t_final=None: method {solver.method!r} has no evaluation of Q; give t_final and dt"
-            )
-        return _plan_particles(scene, solver.sized(), t_final, len(settings.recorded) - 1)
-    choice = choose(scene, solver)
-    chosen, cost = choice.solver, OPERATORS[choice.solver.method].cost
-    check_restitution(scene.restitution, largest_speed=chosen.R)
-    count = _count(scene, chosen, cost)
-    one_thread = cost.seconds(scene, chosen, count.transforms, count.n)
-    threads = chosen.thread_count
+    if not solver.traits.by_particles:
+        return _plan_operator(scene, choose(scene, solver), settings)
+    if settings is None:
+        raise ValueError(
+            f"t_final=None: method {solver.method!r} has no evaluation of Q; give t_final and dt"
+        )
+    return _plan_particles(scene, solver.sized(), settings)
+
+
+def expected_evaluations(scene: Scene, settings: TimeSettings) -> int:
+    """Evaluations of Q in a run: exact where dt is given, else within a factor 3."""
+    return SCHEMES[settings.scheme].evaluations * expected_steps(scene, settings)
+
+
+def expected_steps(scene: Scene, settings: TimeSettings) -> int:
+    """Steps of a run: exact where dt is given, else within a factor 3."""
+    if settings.time_rtol is None:
+        return settings.steps
+    law = scene.restitution
+    e = float(law(np.ones(1))[0]) if callable(law) else float(law)
+    collisions = settings.t_final
+    if scene.kernel.exponent > 0.0 and scene.diffusion == 0.0 and e < 1.0:
+        # τ of a gas that cools by Haff's law from T = 1
+        C0 = haff_constant(scene.kernel, e, scene.dim)
+        collisions = np.log1p(C0 * settings.t_final) / C0
+    return len(settings.outputs) + math.ceil(STEPS_PER_COLLISION * collisions)
+
+
+def step_seconds(scene: Scene, solver: SizedSolver) -> float:
+    """Seconds of a step beside its evaluations of Q."""
+    points = solver.N if solver.traits.radial else solver.N**scene.dim
+    return SECONDS_PER_STEP + SECONDS_PER_STEP_POINT * points
+
+
+def _plan_operator(scene: Scene, choice: Choice, settings: TimeSettings | None) -> Forecast:
+    """Forecast of a run on a grid, or of one evaluation where there are no settings."""
+    steps, evaluations = 0, 1
+    if settings is not None:
+        steps, evaluations = expected_steps(scene, settings), expected_evaluations(scene, settings)
+    solver, cost = choice.solver, OPERATORS[choice.solver.method].cost
+    check_restitution(scene.restitution, largest_speed=solver.R)
+    count = _count(scene, solver, cost)
+    one_thread = cost.seconds(scene, solver, count.transforms, count.n)
+    threads = solver.thread_count
     each = on_threads(one_thread, cost.efficiency, threads)
     # A tolerance is checked now and then by a finer quadrature, at about a step's time.
     checks = 3 * steps / CHECK_EVERY if count.plan is not None else 0.0
-    seconds = on_threads(cost.setup(scene, chosen, one_thread), cost.efficiency, threads)
-    seconds += (evaluations + checks) * each + steps * step_seconds(scene, chosen)
-    reasons = [choice.reason, NOT_TIMED if chosen.device == "gpu" else ""]
+    seconds = on_threads(cost.setup(scene, solver, one_thread), cost.efficiency, threads)
+    seconds += (evaluations + checks) * each + steps * step_seconds(scene, solver)
+    reasons = [choice.reason, NOT_TIMED if solver.device == "gpu" else ""]
     return Forecast(
-        method=chosen.method,
+        method=solver.method,
         reason="; ".join(filter(None, reasons)),
         dim=scene.dim,
-        N=chosen.N,
-        R=float(chosen.R),
+        N=solver.N,
+        R=float(solver.R),
         nodes=count.nodes,
         transforms=count.transforms,
         n=count.n,
@@ -168,15 +215,16 @@ def plan(
         seconds_per_evaluation=each,
         evaluations=evaluations,
         seconds=seconds,
-        memory_mb=memory_mb(cost.numbers(scene, chosen, count.transforms)),
+        memory_mb=memory_mb(cost.numbers(scene, solver, count.transforms)),
         error=count.plan.error if count.plan else None,
         plan=count.plan,
     )
 
 
-def _plan_particles(scene: Scene, solver: SizedSolver, t_final: float, steps: int) -> Forecast:
-    alpha_table(scene.restitution, solver.R)
-    cost, collisions = particle_cost(scene, solver, t_final, steps + 1)
+def _plan_particles(scene: Scene, solver: SizedSolver, settings: TimeSettings) -> Forecast:
+    """Forecast of a run by particles."""
+    alpha_table(scene.restitution, solver.R)  # checks the restitution
+    cost, collisions = particle_cost(scene, solver, settings.t_final, len(settings.recorded))
     threads = solver.thread_count
     return Forecast(
         method=solver.method,
@@ -199,7 +247,7 @@ def _plan_particles(scene: Scene, solver: SizedSolver, t_final: float, steps: in
 
 
 class _Count(NamedTuple):
-    """Nodes and transforms of an evaluation, their points a dimension, and the quadrature planned."""
+    """Nodes, transforms and points a dimension of an evaluation; and its quadrature where one is planned."""
 
     nodes: int
     transforms: int
@@ -208,7 +256,7 @@ class _Count(NamedTuple):
 
 
 def _count(scene: Scene, solver: SizedSolver, cost: MethodCost) -> _Count:
-    """Count what an evaluation makes; where that is known only then, by making the operator."""
+    """Nodes and transforms of an evaluation; where only the operator knows them, it is made."""
     solver = replace(solver, device="cpu")  # the same sums, known without a GPU
     if cost.exact(solver):
         n = solver.product_points
@@ -218,31 +266,3 @@ def _count(scene: Scene, solver: SizedSolver, cost: MethodCost) -> _Count:
         plan = operator.plan
         return _Count(plan.nodes, operator.transforms, plan.n, plan)
     return _Count(operator.transforms // 2 - 1, operator.transforms, solver.N)
-
-
-def expected_steps(scene: Scene, settings: TimeSettings) -> int:
-    """Steps that a run makes: exactly where dt sets them, else about as many, within a factor 3."""
-    if settings.time_rtol is None:
-        return settings.steps
-    law = scene.restitution
-    e = float(law(np.ones(1))[0]) if callable(law) else float(law)
-    collisions = settings.t_final
-    if scene.kernel.exponent > 0.0 and scene.diffusion == 0.0 and e < 1.0:
-        # τ of a gas that cools by Haff's law from T = 1
-        C0 = haff_constant(scene.kernel, e, scene.dim)
-        collisions = np.log1p(C0 * settings.t_final) / C0
-    return len(settings.outputs) + math.ceil(STEPS_PER_COLLISION * collisions)
-
-
-def expected_evaluations(scene: Scene, settings: TimeSettings) -> int:
-    """Evaluations of Q in those steps."""
-    each = SCHEMES[settings.scheme].evaluations
-    if settings.time_rtol is None:
-        return each * settings.steps
-    return each * expected_steps(scene, settings)
-
-
-def step_seconds(scene: Scene, solver: SizedSolver) -> float:
-    """Seconds that a step takes beside its evaluations."""
-    points = solver.N if solver.traits.radial else solver.N**scene.dim
-    return SECONDS_PER_STEP + SECONDS_PER_STEP_POINT * points

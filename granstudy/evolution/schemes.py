@@ -1,4 +1,4 @@
-"""One step of a Runge–Kutta scheme, with the error of a lower order beside it (docs/method.md §3)."""
+"""Runge–Kutta schemes: one step, and an estimate of its error from a lower order (docs/method.md §3)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,9 +9,23 @@ import numpy as np
 
 from granstudy.velocity.space import Term
 
+DOPRI_STAGES = (
+    (1 / 5,),
+    (3 / 40, 9 / 40),
+    (44 / 45, -56 / 15, 32 / 9),
+    (19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729),
+    (9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656),
+    (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84),
+)
+"""Weights of the stages of J. Dormand & P. Prince, J. Comput. Appl. Math. 6, 19 (1980). The last stage is the
+solution."""
+
+DOPRI_ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40)
+"""Weights of the difference between the solutions of fifth and of fourth order, same source."""
+
 
 class Equation(Protocol):
-    """y' = rate(y), of which κ(y) Δy is a part."""
+    """y' = rate(y); κ(y) Δy is a part of the rate."""
 
     def rate(self, y: np.ndarray, taken_off: float = 0.0) -> np.ndarray:
         """The rate of change, less ``taken_off`` Δy."""
@@ -24,13 +38,13 @@ class Equation(Protocol):
 
 
 class Step(NamedTuple):
-    """What a step of a scheme comes to."""
+    """Result of one step of a scheme."""
 
     state: np.ndarray
     error: np.ndarray
     """Difference from the scheme of the next lower order."""
     last: np.ndarray | None
-    """First rate of the next step, where the scheme has it."""
+    """First rate of the next step, where the scheme has it; None where it has not."""
 
 
 @dataclass(frozen=True)
@@ -40,17 +54,17 @@ class Scheme:
     Attributes
     ----------
     first : callable
-        (equation, y) ↦ the rate that a step from y begins with, whatever its size.
+        (equation, y) ↦ the rate with which every step from y begins.
     step : callable
         (equation, y, h, first) ↦ `Step`.
     evaluations : int
-        Rates a step, the first one included.
+        Rates in a step, the first one included.
     error_order : int
-        Order q of the lower scheme; the error goes like h^{q+1}.
+        Order q of the lower scheme; the estimated error is O(h^{q+1}).
     real_limit, imaginary_limit : float
         Largest h|z| for which y' = z y stays bounded, for z < 0 and for imaginary z.
     exact_diffusion : bool
-        Whether the diffusion, exact, has no such limit.
+        Whether diffusion is exact, so that it does not limit h.
     """
 
     first: Callable[[Equation, np.ndarray], np.ndarray]
@@ -65,30 +79,16 @@ class Scheme:
 def rk3_step(
     rhs: Callable[[np.ndarray], np.ndarray], f: np.ndarray, dt: float, k1: np.ndarray
 ) -> Step:
-    """One step of Kutta's third-order scheme (paper eq. 48); the lower one is the midpoint rule."""
+    """One step of Kutta's third-order scheme (paper eq. 48); the lower scheme is the midpoint rule."""
     k2 = rhs(f + dt / 2 * k1)
     k3 = rhs(f - dt * k1 + 2 * dt * k2)
     return Step(f + dt / 6 * (k1 + 4 * k2 + k3), dt / 6 * (k1 - 2 * k2 + k3), None)
 
 
-DOPRI_STAGES = (
-    (1 / 5,),
-    (3 / 40, 9 / 40),
-    (44 / 45, -56 / 15, 32 / 9),
-    (19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729),
-    (9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656),
-    (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84),
-)
-"""Stages of J. Dormand & P. Prince, J. Comput. Appl. Math. 6, 19 (1980); the last is the solution."""
-
-DOPRI_ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40)
-"""Its solutions of fifth and of fourth order, their difference."""
-
-
 def dopri54_step(
     rhs: Callable[[np.ndarray], np.ndarray], y: np.ndarray, h: float, first: np.ndarray
 ) -> Step:
-    """One step of Dormand and Prince's pair of orders 5 and 4; its last rate is the next one's first."""
+    """One step of Dormand and Prince's pair of orders 5 and 4; its last rate begins the next step."""
     rates = [first]
     for weights in DOPRI_STAGES:
         new = y + h * sum(w * k for w, k in zip(weights, rates, strict=True) if w)
@@ -98,10 +98,10 @@ def dopri54_step(
 
 
 def exponential_step(equation: Equation, y: np.ndarray, h: float, n1: np.ndarray) -> Step:
-    """Kutta's scheme with the diffusion κ(y)Δ exact: order 3 whatever the size of hκΔ.
+    """One step of Kutta's scheme with the diffusion κ(y)Δ exact: order 3, whatever the size of hκΔ.
 
-    ETD3RK of S. Cox & P. Matthews, J. Comput. Phys. 176, 430 (2002), eqs. 23 to 25, with κ as it is at the
-    start of the step and the change of κ among the rest of the rate, n. The lower scheme is the
+    The scheme is ETD3RK of S. Cox & P. Matthews, J. Comput. Phys. 176, 430 (2002), eqs. 23 to 25, with the κ
+    of the start of the step; a change of κ belongs to n, the rest of the rate. The lower scheme is the
     exponential midpoint rule.
     """
     kappa = equation.diffusivity(y)
@@ -124,7 +124,7 @@ def exponential_step(equation: Equation, y: np.ndarray, h: float, n1: np.ndarray
 
 
 def phi(k: int) -> Callable[[np.ndarray], np.ndarray]:
-    """φ_k of exponential schemes, φ_0 = e^z and φ_k(z) = (φ_{k−1}(z) − 1/(k−1)!)/z, for z ≤ 0."""
+    """φ_k of exponential schemes for z ≤ 0: φ_0 = e^z, φ_k(z) = (φ_{k−1}(z) − 1/(k−1)!)/z."""
 
     def function(z: np.ndarray) -> np.ndarray:
         z = np.asarray(z, dtype=float)
@@ -132,7 +132,7 @@ def phi(k: int) -> Callable[[np.ndarray], np.ndarray]:
         value = np.exp(far)
         for j in range(k):
             value = (value - 1 / factorial(j)) / far
-        # Near 0 the differences cancel: Σ z^j/(j+k)!, to round-off on |z| ≤ 1.
+        # Near 0 the differences cancel: the series Σ z^j/(j+k)!, exact to round-off on |z| ≤ 1.
         near = np.maximum(z, -1.0)
         series = np.zeros_like(z)
         for j in reversed(range(18)):
@@ -171,4 +171,4 @@ SCHEMES = {
         exact_diffusion=True,
     ),
 }
-"""The schemes by name: the paper's, a pair of higher order, and the paper's with the diffusion exact."""
+"""The schemes by name: the paper's, a pair of higher order, and the paper's with exact diffusion."""

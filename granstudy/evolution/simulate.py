@@ -1,6 +1,6 @@
 """Simulation of a scene, on a grid or by particles.
 
-The module is a fork: it only chooses, so that no run's key depends on it (`granstudy.support.fingerprint`).
+The module is a fork: it only chooses, and no run's key depends on it (`granstudy.support.fingerprint`).
 """
 
 from collections.abc import Callable, Sequence
@@ -16,6 +16,7 @@ from granstudy.model.solver import Solver
 from granstudy.particles.simulation import simulate_particles
 
 FORK = "no run follows or hashes this module (granstudy.support.fingerprint)"
+"""Mark of a fork."""
 
 
 def simulate(
@@ -32,49 +33,69 @@ def simulate(
     save_every: int | None = None,
     progress: bool | None = None,
 ) -> xr.Dataset:
-    """Advance a scene's initial density to ``t_final``.
+    """Advance the initial density of a scene to ``t_final``, on a grid or by particles.
 
     Parameters
     ----------
+    scene : Scene
+    solver : Solver
+        Grid or method may be left open (`granstudy.choose`).
     t_final : float
         Final time.
     dt : float, optional
-        Size of every step, of which ``t_final`` must be a whole number; each is an output.
+        Size of every step; ``t_final`` must be a whole number of steps. Every step is an output.
     time_rtol : float, optional
-        In place of ``dt``: steps of any size, each with an estimated error of at most so much of the
-        density's largest value and of its fourth moment (in a rescaled frame also of √T).
+        In place of ``dt``: tolerance of steps that adapt their size. The estimated error of a step is at most
+        ``time_rtol``, over the largest value of the density, over its fourth moment, and in a rescaled frame
+        over √T.
     times : array_like, optional
-        With ``time_rtol``: times of the outputs, positive and increasing, beside 0 and ``t_final``. By
-        default 10 a decade from 0.01 on (or a hundredth of ``t_final``).
+        With ``time_rtol``: times of outputs, positive and increasing; 0 and ``t_final`` are outputs too.
+        Default: 10 in a decade, from 0.01 on, or from ``t_final``/100 where this is earlier.
     frame : str
-        ``fixed``: velocities v. ``rescaled``: velocities (v − u)/θ that shrink or grow with the gas, so
-        that its temperature stays what it is at the start on the grid; for long cooling and heating.
+        ============  ============================================================================
+        ``fixed``     velocities v
+        ``rescaled``  velocities (v − u)/θ, which shrink and grow with the gas: its temperature on
+                      the grid stays as it is at the start. For long cooling and heating
+        ============  ============================================================================
     scheme : str, optional
-        ``rk3`` (the paper's; the default with ``dt``), ``dopri54`` (the default with ``time_rtol``), or
-        ``exponential``: order 3, with the diffusion exact, so that it does not limit the step.
+        ===============  =========================================================================
+        ``rk3``          order 3, the paper's; default with ``dt``
+        ``dopri54``      order 5; default with ``time_rtol``
+        ``exponential``  order 3, with exact diffusion, which then does not limit the step
+        ===============  =========================================================================
     conserve : sequence of str
-        Of ``mass``, ``momentum`` and ``energy``: what Q is corrected to conserve, by the least change; of
-        energy but for what inelastic collisions of all pairs take. The radial method has no momentum.
-        By `dsmc` times say when the moments are recorded and nothing else.
+        Which of ``mass``, ``momentum``, ``energy`` the discrete Q balances exactly. Q is changed as little as
+        possible (docs/method.md §9). Mass and momentum then stay constant; collisions take energy at the
+        exact rate, summed over all pairs of the density. A radial grid has no momentum.
     save_every : int, optional
-        Keep the density every so many outputs, with the first and the last; by default none is kept.
+        Keep the density at every so many outputs, and at the first and the last. Default: none is kept.
     progress : bool, optional
-        Show a progress bar; by default where a person watches (a terminal).
+        Show a progress bar. Default: where a person watches (a terminal).
 
     Returns
     -------
     xarray.Dataset
-        Moments of f at every output over ``time``, exact laws and errors where a law is known, `status` and
-        warnings (see `granstudy.evolution.dataset.evolution_dataset`). A run that cannot go on ends early
-        with its status and what it had computed. Where the solver left something open, its coordinates
-        and the attribute ``solver`` say what was chosen, ``choice`` why, and ``asked_solver`` what was asked.
-        The attribute ``steps`` counts the steps and evaluations of Q that an adaptive run made. A rescaled
-        run says where its frame is, and holds its densities as `g`; see `granstudy.physical_density`.
+        Moments of f over ``time``, exact laws and errors where a law is known, `status`, `trust`. A run that
+        cannot go on ends early, with its status, the reason, and all that was computed before.
+
+        ==========================  =============================================================
+        `f`, `g`                    kept densities, in the fixed and in the rescaled frame;
+                                    `granstudy.physical_density` makes f of either
+        attribute ``steps``         numbers of steps, and of evaluations of Q, where steps adapt
+        attribute ``choice``        why grid and method were chosen, where they were open
+        attribute ``solver``        the solver that was chosen
+        attribute ``asked_solver``  the solver asked for, where that is another one
+        ==========================  =============================================================
 
     Raises
     ------
     ValueError
         For a bad scene, solver or time, before any work starts.
+
+    Notes
+    -----
+    By method `dsmc`, times only say when moments are recorded; frame and conservation have no meaning there
+    and are refused.
     """
     settings = TimeSettings(t_final, dt, time_rtol, times, frame, scheme, conserve, save_every)
     check_frame(scene, solver, settings)
@@ -85,5 +106,5 @@ def simulate(
 
 
 def computed_by(solver: Solver) -> Callable[..., xr.Dataset]:
-    """The function that computes the simulations of a solver; its module is the code that a run uses."""
+    """The function that simulates by a solver's method; its module is the code that a run uses."""
     return simulate_particles if solver.traits.by_particles else evolve

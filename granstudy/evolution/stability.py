@@ -1,4 +1,4 @@
-"""The largest steps that a scheme is stable with (docs/method.md §3)."""
+"""The largest stable steps of each scheme (docs/method.md §3)."""
 
 from granstudy.evolution.schemes import SCHEMES
 from granstudy.model.kernel import VHS
@@ -15,13 +15,21 @@ def stability_limit(
     collision_frequency: float = 0.0,
     dilation_rate: float = 0.0,
 ) -> float:
-    """Largest step that is stable for certain.
+    """Largest step that is certain to be stable.
 
-    Diffusion and collisions damp: the highest mode decays at ε|Δ| + ν, and dt times that must be at most 2.51
-    (`rk3`), 3.31 (`dopri54`); `exponential` has the limit 2.51 for ν alone. |Δ| is the Laplacian's largest
-    eigenvalue, d(πN/2L)² on a Cartesian grid. Velocities that shrink carry: |θ'/θ| dt times the largest
-    eigenvalue of ∇c·(c ·), at most 0.35 πNd on a Cartesian grid, must be at most 1.73 (`rk3`,
-    `exponential`), 1.00 (`dopri54`).
+    A step dt has two limits, one for diffusion and collisions, which damp, and one for velocities that shrink
+    or grow, which carry:
+
+    ===============  =====================  ==================
+    scheme           damping rate · dt      carrying rate · dt
+    ===============  =====================  ==================
+    ``rk3``          (ε|Δ| + ν) dt ≤ 2.51   1.73
+    ``dopri54``      (ε|Δ| + ν) dt ≤ 3.31   1.00
+    ``exponential``  ν dt ≤ 2.51            1.73
+    ===============  =====================  ==================
+
+    |Δ| is the largest eigenvalue of the Laplacian, d(πN/2L)² on a Cartesian grid. The carrying rate is |θ'/θ|
+    times the largest eigenvalue of ∇c·(c ·), which is at most 0.35 πNd on a Cartesian grid.
 
     Parameters
     ----------
@@ -31,9 +39,15 @@ def stability_limit(
     diffusion : float
         ε; in a rescaled frame εθ^{−2}.
     collision_frequency : float
-        ν, see `largest_frequency`; in a rescaled frame θ^λ ν.
+        ν, an upper bound of the collision frequency (`granstudy.evolution.stability.largest_frequency`); in a
+        rescaled frame θ^λ ν.
     dilation_rate : float
         θ'/θ; 0 in a fixed frame.
+
+    Returns
+    -------
+    float
+        The step; infinite where nothing limits it.
 
     Raises
     ------
@@ -52,12 +66,12 @@ def stability_limit(
 
 
 def largest_frequency(kernel: VHS, dim: int, R: float, density: float = 1.0) -> float:
-    """ν = ρ|S|C_λ R^λ, the collision frequency of a particle that meets all others at the speed R."""
+    """ν = ρ|S|C_λ R^λ: collision frequency of a particle that meets all others at the relative speed R."""
     return float(density * sphere_area(dim) * kernel.strength * R**kernel.exponent)
 
 
 def step_warning(dt: float, scheme: str, limit: float) -> dict[str, str]:
-    """What to say of a step above the limit."""
+    """The warning of a step above the limit, by its name; nothing for a step below."""
     if dt <= limit:
         return {}
     remedy = "time_rtol in its place" if scheme == "exponential" else "scheme='exponential'"

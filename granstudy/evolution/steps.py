@@ -1,4 +1,4 @@
-"""From step to step: of one size, or of sizes that an error is controlled with (docs/method.md §3)."""
+"""Steps through time: all of one size, or of sizes that adapt to their error (docs/method.md §3)."""
 
 from collections.abc import Iterator
 from typing import NamedTuple, Protocol
@@ -10,30 +10,53 @@ from granstudy.support.errors import NotFiniteError
 from granstudy.trust import health
 
 SAFETY = 0.9
+"""Factor on every proposed step, so that few steps are rejected."""
+
 LEAST_CHANGE, LARGEST_CHANGE = 0.2, 5.0
+"""Smallest and largest factor from one step to the next."""
+
 INTEGRAL, PROPORTIONAL = 0.7, 0.4
-"""h is taken times SAFETY · error^{−0.7/k} · (error before)^{0.4/k}, k the order of the error: the PI control
-of E. Hairer & G. Wanner, Solving Ordinary Differential Equations II, §IV.2."""
+"""Exponents of the PI control of E. Hairer & G. Wanner, Solving Ordinary Differential Equations II, §IV.2.
+The step after h is h · SAFETY · error^{−0.7/k} · (error before)^{0.4/k}, k the order of the error."""
 
 LEAST_ERROR = 1e-4
-"""Errors over the tolerance count as this large at least."""
+"""Least error over the tolerance that the control reckons with."""
 
 SMALLEST_STEP = 1e-12
-"""Smallest step over the time reached, or over that of the first output where this is later."""
+"""Smallest step over the time reached, or over the time of the first output where this is later."""
+
+FIRST_CHANGE = 0.01
+"""First step tried, in parts of the time in which the state changes by its own size."""
+
+TOO_SMALL = (
+    "the step fell to {h:.1e} and its error is still above time_rtol: take a larger time_rtol, or a "
+    "larger N and R"
+)
+"""Reason of a run that stopped because no step was small enough."""
 
 
 class MeasuredEquation(Equation, Protocol):
-    """An equation that says how large a change is."""
+    """An equation that measures changes of its state."""
 
     def relative_size(self, change: np.ndarray, state: np.ndarray) -> float:
-        """Size of a change of the state, 1 being as large as the state itself."""
+        """Size of a change of the state, relative to the state itself."""
 
     def symmetrise(self, state: np.ndarray) -> np.ndarray:
-        """The state without what round-off did to its symmetry."""
+        """The state with the symmetry restored that round-off disturbs."""
 
 
 class Point(NamedTuple):
-    """A state on the way."""
+    """The state after a step.
+
+    Attributes
+    ----------
+    step : int
+        Number of the step, 0 at the start.
+    time : float
+    state : ndarray
+    is_output : bool
+        Whether the time is that of an output.
+    """
 
     step: int
     time: float
@@ -42,14 +65,20 @@ class Point(NamedTuple):
 
 
 class StoppedError(Exception):
-    """A run that cannot go on, and why."""
+    """A run cannot go on; the message says when and why."""
 
     def __init__(self, step: int, time: float, reason: str) -> None:
         super().__init__(f"step {step}, t = {time:g}: {reason}")
 
 
 class FixedSteps:
-    """Steps of one size, each an output."""
+    """Steps of one size; each is an output.
+
+    Attributes
+    ----------
+    outputs : int
+        Number of outputs, the start included.
+    """
 
     def __init__(self, equation: MeasuredEquation, scheme: Scheme, dt: float, steps: int) -> None:
         self._equation, self._scheme = equation, scheme
@@ -57,7 +86,7 @@ class FixedSteps:
         self.outputs = steps + 1
 
     def march(self, state: np.ndarray) -> Iterator[Point]:
-        """Every state from the first one on.
+        """Every state, from the first one at t = 0 on.
 
         Raises
         ------
@@ -74,16 +103,20 @@ class FixedSteps:
             yield Point(step, step * self._dt, state, True)
 
     def equation_changed(self) -> None:
-        """Take note that rates are others than before: none is kept."""
+        """Note that rates have changed; no rate is kept here."""
 
 
 class AdaptiveSteps:
-    """Steps whose estimated relative error is at most ``rtol``, hitting the output ``times``.
+    """Steps whose estimated relative error is at most ``rtol``; they hit the ``times`` of outputs.
 
     Attributes
     ----------
-    accepted, rejected, evaluations : int
-        Steps made and steps taken back so far, and the rates computed for them.
+    outputs : int
+        Number of outputs, the start included.
+    accepted, rejected : int
+        Steps made, and steps taken back, so far.
+    evaluations : int
+        Rates computed so far.
     """
 
     def __init__(
@@ -97,7 +130,7 @@ class AdaptiveSteps:
         self._before = 1.0
 
     def march(self, state: np.ndarray) -> Iterator[Point]:
-        """Every state from the first one, at t = 0, on.
+        """Every state, from the first one at t = 0 on.
 
         Raises
         ------
@@ -110,7 +143,7 @@ class AdaptiveSteps:
         for target in self._times[1:]:
             while t < target:
                 rest = target - t
-                # Two equal steps to an output that one would miss by little.
+                # Two equal steps, where one would end little before an output.
                 tried = rest if h >= rest else min(h, rest / 2)
                 made, error = self._try(state, tried)
                 following = self._next_step(tried, error)
@@ -123,14 +156,14 @@ class AdaptiveSteps:
                 h = max(following, h) if tried < h else following
                 hit = tried == rest
                 t = float(target) if hit else t + tried
-                # A step is as large as its error allows, so that what is not stable grows to the tolerance.
+                # Steps are as large as their error allows: an unstable part would grow to the tolerance.
                 state = self._equation.symmetrise(made.state)
                 self.accepted += 1
                 self._first = made.last
                 yield Point(self.accepted, t, state, hit)
 
     def equation_changed(self) -> None:
-        """Take note that rates are others than before."""
+        """Note that rates have changed: the first rate of the next step is computed anew."""
         self._first = None
 
     def describe(self) -> dict[str, int]:
@@ -142,7 +175,7 @@ class AdaptiveSteps:
         }
 
     def _try(self, state: np.ndarray, h: float) -> tuple[Step | None, float]:
-        """A step and its error over the tolerance; none where something was not finite."""
+        """A step and its error over the tolerance; None and ∞ where a state was not finite."""
         try:
             if self._first is None:
                 self._first = self._scheme.first(self._equation, state)
@@ -155,7 +188,7 @@ class AdaptiveSteps:
         return made, error if np.isfinite(error) else np.inf
 
     def _next_step(self, h: float, error: float) -> float:
-        """The step to try next, after one of ``h`` with this error."""
+        """The step to try next, after a step ``h`` with the given error over the tolerance."""
         k = self._scheme.error_order + 1
         error = max(error, LEAST_ERROR)
         factor = SAFETY * error ** (-INTEGRAL / k) * self._before ** (PROPORTIONAL / k)
@@ -165,14 +198,8 @@ class AdaptiveSteps:
         return h * min(LARGEST_CHANGE, max(LEAST_CHANGE, factor))
 
     def _first_step(self, state: np.ndarray) -> float:
-        """A hundredth of the time in which the state changes by its own size."""
+        """The first step to try, at most the time of the first output."""
         self._first = self._scheme.first(self._equation, state)
         self.evaluations += 1
         change = self._equation.relative_size(self._first, state)
-        return 0.01 / max(change, 0.01 / self._times[1])
-
-
-TOO_SMALL = (
-    "the step fell to {h:.1e} and its error is still above time_rtol: take a larger time_rtol, or a "
-    "larger N and R"
-)
+        return FIRST_CHANGE / max(change, FIRST_CHANGE / self._times[1])

@@ -1,4 +1,4 @@
-"""How a run goes through time: how long, in which steps and scheme, in which frame, what it conserves."""
+"""Time settings of a run: final time, steps or tolerance, scheme, frame, conservation, outputs."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from granstudy.evolution.schemes import SCHEMES
-from granstudy.model.restitution import Restitution
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.support.checks import check_positive
@@ -15,22 +14,26 @@ from granstudy.support.errors import unknown_name
 from granstudy.velocity.space import INVARIANTS
 
 FRAMES = ("fixed", "rescaled")
+"""Velocities that a grid stores: v, or (v − u)/θ (docs/method.md §5)."""
 
 FIRST_TIME = 1e-2
-"""First output of an adaptive run, where t_final is a hundred times as long or more."""
+"""First output after t = 0 of an adaptive run, where t_final is 1 or later; else t_final/100."""
 
 PER_DECADE = 10
-"""Outputs a decade of an adaptive run."""
+"""Outputs in a decade of time of an adaptive run."""
+
+DEFAULT_SCHEME, DEFAULT_ADAPTIVE_SCHEME = "rk3", "dopri54"
+"""Schemes of steps of one size, and of steps that adapt, where none is given."""
 
 
 @dataclass(frozen=True, init=False)
 class TimeSettings:
-    """How a run goes through time; see `granstudy.simulate`.
+    """Time settings of a run, checked; `granstudy.simulate` explains each.
 
     Raises
     ------
     ValueError
-        If a field is not what `granstudy.simulate` allows; the message names field, value and allowed.
+        For a value that `granstudy.simulate` does not allow; the message says field, value and allowed.
     """
 
     t_final: float
@@ -61,7 +64,7 @@ class TimeSettings:
         if frame not in FRAMES:
             raise unknown_name("frame", frame, FRAMES)
         if scheme is None:
-            scheme = "rk3" if time_rtol is None else "dopri54"
+            scheme = DEFAULT_SCHEME if time_rtol is None else DEFAULT_ADAPTIVE_SCHEME
         if scheme not in SCHEMES:
             raise unknown_name("scheme", scheme, list(SCHEMES))
         if save_every is not None and (not isinstance(save_every, int) or save_every < 1):
@@ -71,23 +74,29 @@ class TimeSettings:
             "dt": dt,
             "time_rtol": time_rtol,
             "times": times,
+            "frame": frame,
+            "scheme": scheme,
+            "conserve": invariants(conserve),
+            "save_every": save_every,
         }
-        fields |= {"frame": frame, "scheme": scheme, "conserve": invariants(conserve)}
-        for name, value in (fields | {"save_every": save_every}).items():
+        for name, value in fields.items():
             object.__setattr__(self, name, value)
+        if dt is not None:
+            self._check_fixed(dt)
         if time_rtol is not None:
-            self._check_adaptive()
-            return
-        _ = self.steps
-        if times is not None:
+            self._check_adaptive(time_rtol)
+
+    def _check_fixed(self, dt: float) -> None:
+        """Raise ValueError for a bad size of steps, or times beside it."""
+        step_count(self.t_final, dt)
+        if self.times is not None:
             raise ValueError(
-                f"times={times!r}: only with time_rtol; with dt every step is an output"
+                f"times={self.times!r}: only with time_rtol; with dt every step is an output"
             )
 
-    def _check_adaptive(self) -> None:
-        rtol = self.time_rtol
+    def _check_adaptive(self, rtol: float) -> None:
+        """Raise ValueError for a bad tolerance, or bad times of outputs."""
         check_positive("time_rtol", rtol)
-        assert rtol is not None
         if not 1e-13 <= rtol < 1.0:
             raise ValueError(f"time_rtol={rtol!r}: must be a number between 1e-13 and 1")
         if self.times is not None:
@@ -101,18 +110,18 @@ class TimeSettings:
 
     @property
     def rescaled(self) -> bool:
-        """Whether velocities are scaled with the gas."""
+        """Whether velocities are rescaled with the gas."""
         return self.frame == "rescaled"
 
     @property
     def steps(self) -> int:
-        """Number of steps of the size ``dt``."""
+        """Number of steps of the size ``dt``, which must be given."""
         assert self.dt is not None
         return step_count(self.t_final, self.dt)
 
     @property
     def outputs(self) -> np.ndarray:
-        """Times of an adaptive run's outputs, 0 and t_final among them."""
+        """Times of the outputs of an adaptive run, from 0 to t_final."""
         if self.times is None:
             first = min(FIRST_TIME, self.t_final / 100)
             count = 1 + int(np.ceil(PER_DECADE * np.log10(self.t_final / first)))
@@ -124,21 +133,47 @@ class TimeSettings:
 
     @property
     def recorded(self) -> np.ndarray:
-        """Times at which moments are recorded."""
+        """Times at which moments are recorded, in a run of either kind of steps."""
         if self.time_rtol is not None:
             return self.outputs
         assert self.dt is not None
         return self.dt * np.arange(self.steps + 1)
 
     def coordinates(self) -> dict[str, Any]:
-        """What a dataset says of it, by scalar coordinate."""
+        """The parameters of time that a study sweeps, by name (`granstudy.datasets.parameters`)."""
         step = {"dt": self.dt} if self.time_rtol is None else {"time_rtol": self.time_rtol}
         conserve = "-".join(self.conserve) or "none"
         return {"frame": self.frame, "scheme": self.scheme, "conserve": conserve, **step}
 
 
+def check_frame(scene: Scene, solver: Solver, settings: TimeSettings) -> None:
+    """Raise ValueError where the scene or the solver rules out the frame, or what is to be conserved.
+
+    Particles take neither. Where a rescaled frame changes the scale of a restitution law, Q is interpolated
+    between operators (`granstudy.evolution.frames.scaled_collisions`); ``rtol`` and the conservation of
+    energy are then excluded.
+    """
+    if solver.traits.by_particles and (settings.rescaled or settings.conserve):
+        raise ValueError(
+            f"frame={settings.frame!r}, conserve={settings.conserve!r}: method {solver.method!r} needs "
+            "neither; particles keep mass and momentum, and cool without a grid"
+        )
+    if not (settings.rescaled and callable(scene.restitution)):
+        return
+    if "energy" in settings.conserve:
+        raise ValueError(
+            f"conserve={settings.conserve!r}: not energy where frame='rescaled' changes the scale of "
+            f"restitution={scene.restitution!r}; leave 'energy' out"
+        )
+    if solver.rtol is not None:
+        raise ValueError(
+            f"rtol={solver.rtol!r}: not where a rescaled frame changes the scale of "
+            f"restitution={scene.restitution!r}; give N_rho and M_sph (M_cir)"
+        )
+
+
 def invariants(conserve: Sequence[str]) -> tuple[str, ...]:
-    """Invariants to conserve in the order of `INVARIANTS`, or ValueError for another name."""
+    """Invariants to conserve in the order of `INVARIANTS`; ValueError for an unknown name."""
     if isinstance(conserve, str) or not isinstance(conserve, Sequence):
         allowed = ", ".join(INVARIANTS)
         raise ValueError(f"conserve={conserve!r}: must be a sequence out of {allowed}")
@@ -149,34 +184,10 @@ def invariants(conserve: Sequence[str]) -> tuple[str, ...]:
 
 
 def step_count(t_final: float, dt: float) -> int:
-    """Number of steps, or ValueError where ``t_final`` is not a whole number of them."""
+    """Number of steps of size ``dt``; ValueError where ``t_final`` is not a whole number of steps."""
     for field, value in (("t_final", t_final), ("dt", dt)):
         check_positive(field, value)
     steps = round(t_final / dt)
     if steps < 1 or abs(steps * dt - t_final) > 1e-9 * t_final:
         raise ValueError(f"dt={dt!r}: t_final={t_final!r} must be a whole number of steps")
     return steps
-
-
-def check_conserve(conserve: Sequence[str], restitution: Restitution, frame: str) -> None:
-    """Raise ValueError for the energy of particles whose restitution changes with the frame's scale."""
-    if "energy" in conserve and callable(restitution) and frame == "rescaled":
-        raise ValueError(
-            f"conserve={tuple(conserve)!r}: not energy where frame='rescaled' changes the scale of "
-            f"restitution={restitution!r}; leave 'energy' out"
-        )
-
-
-def check_frame(scene: Scene, solver: Solver, settings: TimeSettings) -> None:
-    """Raise ValueError for what a frame or conservation cannot do with a scene and a solver."""
-    if solver.traits.by_particles and (settings.frame != FRAMES[0] or settings.conserve):
-        raise ValueError(
-            f"frame={settings.frame!r}, conserve={settings.conserve!r}: method {solver.method!r} needs "
-            "neither; particles keep mass and momentum, and cool without a grid"
-        )
-    check_conserve(settings.conserve, scene.restitution, settings.frame)
-    if settings.rescaled and callable(scene.restitution) and solver.rtol is not None:
-        raise ValueError(
-            f"rtol={solver.rtol!r}: not where a rescaled frame changes the scale of "
-            f"restitution={scene.restitution!r}; give N_rho and M_sph (M_cir)"
-        )

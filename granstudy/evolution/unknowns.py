@@ -1,4 +1,4 @@
-"""What a run advances: a density's values at the nodes, or its Fourier coefficients f̂."""
+"""The unknowns that a run advances: values of a density at the nodes, or its Fourier coefficients f̂."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -14,7 +14,10 @@ from granstudy.velocity.symmetry import Symmetry
 
 
 class Representation(Protocol):
-    """The linear operators of docs/method.md §1 and §5 on states of one kind; see `VelocitySpace`."""
+    """A kind of state, with the linear operators of docs/method.md §1 and §5 on it.
+
+    The operators are those of `granstudy.velocity.space.VelocitySpace`.
+    """
 
     @property
     def grid(self) -> VelocitySpace: ...  # noqa: D102
@@ -26,7 +29,7 @@ class Representation(Protocol):
         """The density of a state."""
 
     def diffusion(self, epsilon: float) -> Callable[[np.ndarray], np.ndarray]:
-        """State ↦ ε Δ state."""
+        """state ↦ ε Δ state."""
 
     def laplacian_functions(self, x: float, terms: Sequence[Term]) -> np.ndarray:
         """Σ φ(xΔ) state over the terms."""
@@ -38,12 +41,12 @@ class Representation(Protocol):
         """∇v·(v state)."""
 
     def symmetrise(self, state: np.ndarray) -> np.ndarray:
-        """The state without what round-off and instability did to the symmetry that the operator uses."""
+        """The state with the symmetry restored that round-off and instability disturb."""
 
 
 @dataclass(frozen=True)
 class Values:
-    """Real densities by their values at the nodes of any grid, with a symmetry on a Cartesian one."""
+    """Real densities by their values at the nodes of any grid; on a Cartesian grid, with a symmetry."""
 
     grid: VelocitySpace
     symmetry: Symmetry | None = None
@@ -57,7 +60,7 @@ class Values:
         return state
 
     def diffusion(self, epsilon: float) -> Callable[[np.ndarray], np.ndarray]:
-        """State ↦ ε Δ state."""
+        """state ↦ ε Δ state."""
         return lambda f: epsilon * self.grid.laplacian(f)
 
     def laplacian_functions(self, x: float, terms: Sequence[Term]) -> np.ndarray:
@@ -73,13 +76,13 @@ class Values:
         return self.grid.dilation(state)
 
     def symmetrise(self, state: np.ndarray) -> np.ndarray:
-        """The state's mean over the symmetry."""
+        """The mean of the state over its symmetry group."""
         return state if self.symmetry is None else self.symmetry.symmetrise(state)
 
 
 @dataclass(frozen=True)
 class Spectrum:
-    """Densities by f̂ on a Cartesian grid, complex and never projected on real f (`literal`)."""
+    """Densities by f̂ on a Cartesian grid: complex, and never projected on real f, as `literal` has it."""
 
     grid: VelocityGrid
 
@@ -92,7 +95,7 @@ class Spectrum:
         return scipy.fft.ifftn(state, norm="forward").real
 
     def diffusion(self, epsilon: float) -> Callable[[np.ndarray], np.ndarray]:
-        """State ↦ ε Δ state, by the multiplier −ε(π|k|/L)² (docs/method.md §3)."""
+        """state ↦ ε Δ state, by the multiplier −ε(π|k|/L)² (docs/method.md §3)."""
         multiplier = -epsilon * (np.pi / self.grid.L) ** 2 * self.grid.wavenumber_squared()
         return lambda f_hat: multiplier * f_hat
 
@@ -114,26 +117,27 @@ class Spectrum:
         return state
 
     def _values(self, state: np.ndarray) -> np.ndarray:
-        """Complex f: its imaginary part is advanced too."""
+        """f at the nodes, complex: the imaginary part is advanced too."""
         return scipy.fft.ifftn(state, norm="forward")
 
 
 def representation(operator: CollisionOperator, symmetry: Symmetry) -> Representation:
-    """What runs with this operator advance, of densities with this symmetry."""
+    """The kind of state that runs with an operator advance, for densities with a symmetry."""
     if isinstance(operator, SpectrumOperator):
         return Spectrum(operator.grid)
     return Values(operator.grid, symmetry if isinstance(operator.grid, VelocityGrid) else None)
 
 
 def collisions(operator: CollisionOperator) -> Callable[[np.ndarray], np.ndarray]:
-    """Q as a function of such states."""
+    """Q as a function of the states that runs with an operator advance."""
     return operator.spectrum if isinstance(operator, SpectrumOperator) else operator
 
 
 def relative_change(form: Representation, change: np.ndarray, state: np.ndarray) -> float:
-    """Largest change of the density over its largest value; ∫|v|⁴|change| over ∫|v|⁴|f| if that is more.
+    """Relative size of a change of a state: the larger of two measures.
 
-    The fourth moment sees noise at the grid's border long before it is large.
+    One is the largest change of the density over its largest value. The other is ∫|v|⁴|change| over
+    ∫|v|⁴|f|: the fourth moment sees noise at the grid's border long before the noise is large.
     """
     delta, f = np.abs(form.density(change)), np.abs(form.density(state))
     v4 = sum(np.square(v) for v in form.grid.velocities()) ** 2 * form.grid.measure

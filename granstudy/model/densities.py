@@ -36,6 +36,13 @@ def _squared(v: Sequence[np.ndarray], centre: Sequence[float]) -> np.ndarray:
     return np.asarray(sum((vi - ci) ** 2 for vi, ci in zip(v, centre, strict=True)))
 
 
+class NamedDensity(InitialDensity, Protocol):
+    """An initial density that `load_scene` knows by name; it has a velocity dimension of its own."""
+
+    @property
+    def dim(self) -> int: ...  # noqa: D102
+
+
 @dataclass(frozen=True)
 class Bkw2D:
     """Isotropic scene of the paper's eq. 49, K = 1 − exp(−1/16)/2, T0 = 1."""
@@ -274,7 +281,7 @@ class TwoBeams:
         return (beams[0] + beams[1]) / (2 * (2 * np.pi * T) ** (self.dim / 2))
 
 
-INITIAL_DENSITIES: dict[str, Callable[..., InitialDensity]] = {
+INITIAL_DENSITIES: dict[str, Callable[..., NamedDensity]] = {
     "bkw2d": Bkw2D,
     "bkw3d": Bkw3D,
     "double_well2d": DoubleWell2D,
@@ -296,7 +303,7 @@ def scene_names() -> list[str]:
     return sorted(INITIAL_DENSITIES)
 
 
-def named_density(name: object) -> Callable[..., InitialDensity]:
+def named_density(name: object) -> Callable[..., NamedDensity]:
     """What makes the initial density of that name, or ValueError for an unknown one."""
     if name not in INITIAL_DENSITIES:
         raise unknown_name("scene", name, scene_names())

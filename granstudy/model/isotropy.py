@@ -1,4 +1,4 @@
-"""Whether a scene is one of isotropic densities about u = 0."""
+"""The check that a scene is isotropic about v = 0, which the method `radial` needs."""
 
 import numpy as np
 
@@ -9,19 +9,20 @@ SPEEDS = 64
 """Speeds at which an initial density is compared between directions."""
 
 DIRECTIONS = 24
-"""Directions compared, at angles that no symmetry of a lattice or of the axes relates."""
+"""Directions that are compared. No symmetry of a lattice or of the axes relates them."""
 
 TOLERANCE = 1e-10
-"""Largest difference between directions over the largest value: the round-off of smooth densities."""
+"""Largest difference between directions, over the largest value: the round-off of smooth densities."""
 
 GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
+"""Golden ratio: part of a turn from one direction to the next."""
 
 
 def check_isotropic(scene: Scene, R: float) -> None:
-    """Raise ValueError unless the method ``radial`` can model the scene, truncated at R.
+    """Raise ValueError unless the method `radial` can model the scene, truncated at R.
 
-    The initial density must be isotropic about v = 0 on the ball |v| < L, which is verified at
-    `SPEEDS` speeds in `DIRECTIONS` directions, and the restitution a constant.
+    Two conditions: the restitution is a constant, and the initial density is isotropic about v = 0 on the
+    ball |v| < L. Isotropy is verified at `SPEEDS` speeds in `DIRECTIONS` directions.
     """
     if callable(scene.restitution):
         raise ValueError(
@@ -50,7 +51,7 @@ def check_isotropic(scene: Scene, R: float) -> None:
 
 
 def directions(dim: int) -> np.ndarray:
-    """`DIRECTIONS` unit vectors spread by the golden ratio, shape (n, dim)."""
+    """Unit vectors spread by the golden ratio, shape (`DIRECTIONS`, dim)."""
     angle = 2.0 * np.pi * GOLDEN * np.arange(DIRECTIONS)
     circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     if dim == 2:

@@ -1,4 +1,4 @@
-"""Collision kernels B(|g|) and restitution laws e(|g·ω|)."""
+"""Collision kernels B(|g|): variable hard spheres, from Maxwell molecules to hard spheres."""
 
 from dataclasses import dataclass
 
@@ -13,14 +13,14 @@ class VHS:
     Attributes
     ----------
     exponent : float
-        λ, 0 (Maxwell molecules) to 1 (hard spheres).
+        λ, from 0 (Maxwell molecules) to 1 (hard spheres).
     strength : float
         C_λ > 0.
 
     Raises
     ------
     ValueError
-        If a field is outside what is stated above.
+        If a field has another value.
     """
 
     exponent: float

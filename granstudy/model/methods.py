@@ -1,9 +1,12 @@
-"""What each method takes of a solver and leaves unused: one row a method, by its name in study files."""
+"""What each method takes of a solver and leaves unused: one row a method, by its name in study files.
+
+The module is a fork: a new row changes no run of another method (`granstudy.support.fingerprint`).
+"""
 
 from dataclasses import dataclass
 
 QUADRATURE = frozenset({"N_rho", "M_sph", "M_cir", "sphere_rule", "radial_rule"})
-"""Fields that say the nodes of the quadrature in g; a tolerance chooses them."""
+"""Fields of the quadrature in g: its nodes and rules. A tolerance chooses them."""
 
 PARTICLES = frozenset({"particles", "batches", "seed"})
 """Fields of a simulation by particles."""
@@ -11,28 +14,28 @@ PARTICLES = frozenset({"particles", "batches", "seed"})
 PRODUCTS = frozenset({"dealias", "precision", "device"})
 """Fields that say how the products of a sum over nodes are formed, and where."""
 
-
 FORK = "no run follows or hashes this module (granstudy.support.fingerprint)"
+"""Mark of a fork."""
 
 
 @dataclass(frozen=True)
 class Method:
-    """What a method takes.
+    """What a method takes, and of what kind it is.
 
     Attributes
     ----------
     takes : set of str
-        Fields of `Solver` that only some methods take.
+        Fields of `Solver` that this method takes and some others do not.
     unused : set of str
-        Fields that every solver has and that play no part in this method.
+        Fields of `Solver` that play no part in this method.
     radial : bool
-        Whether its densities live on a `RadialGrid`, for which N counts speeds.
+        Whether densities live on a `RadialGrid`; N then counts speeds.
     by_particles : bool
-        Whether it simulates particles and so has no collision operator.
+        Whether particles are simulated; there is then no collision operator.
     chooses : bool
-        Whether it stands for another method, chosen for the scene.
+        Whether the method stands for another one, chosen for the scene.
     free_radii : bool
-        Whether ``N_rho=None`` lets it take as many radii as its integral needs.
+        Whether ``N_rho=None`` stands for as many radii as the integral needs.
     """
 
     takes: frozenset[str] = frozenset()
@@ -62,11 +65,11 @@ YARDSTICK = "literal"
 """The method that speedups are taken over: the paper's recipe, every transform made."""
 
 ONLY_SOME = frozenset().union(*(method.takes for method in METHODS.values()))
-"""Fields that only some methods take; the others leave them at their default."""
+"""Fields that only some methods take; in a solver of another method they keep their default."""
 
 
 def that_take(field: str) -> str:
-    """The methods that take a field, as a message says it: ``methods 'auto' and 'fast' take``."""
+    """The methods that take a field, in the words of a message: ``methods 'auto' and 'fast' take``."""
     names = [repr(name) for name, method in METHODS.items() if field in method.takes]
     if len(names) == 1:
         return f"method {names[0]} takes"

@@ -5,17 +5,32 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from granstudy.support.checks import is_real
+
 Restitution = float | Callable[[np.ndarray], np.ndarray]
 """A constant 0 ≤ e ≤ 1, or a function of the normal impact speed |g·ω| (the paper's Remark 2)."""
+
+C1 = 1.15344
+"""Coefficient C₁ of viscoelastic spheres (Brilliantov & Pöschel 2004, eq. 3.22)."""
 
 
 @dataclass(frozen=True)
 class Viscoelastic:
     """Restitution of viscoelastic spheres, e = 1 − C₁ A v^{1/5} + ⅗ C₁² A² v^{2/5}.
 
-    ``v`` is the normal impact speed |g·ω|, C₁ = 1.15344; the first two terms of the series in
-    Brilliantov & Pöschel, *Kinetic Theory of Granular Gases* (2004), eq. 3.22. The parabola's minimum
-    is 7/12, so the law stays in [0, 1] until C₁ A v^{1/5} exceeds 5/3.
+    v is the normal impact speed |g·ω|, and C₁ = 1.15344. The law is the series of Brilliantov & Pöschel,
+    *Kinetic Theory of Granular Gases* (2004), eq. 3.22, up to its second term. Its minimum is 7/12, so that
+    e stays in [0, 1] until C₁ A v^{1/5} exceeds 5/3.
+
+    Attributes
+    ----------
+    A : float
+        Dissipation constant of the material, at least 0; A = 0 is elastic.
+
+    Raises
+    ------
+    ValueError
+        If A is negative or not finite.
     """
 
     A: float
@@ -26,12 +41,31 @@ class Viscoelastic:
 
     def __call__(self, impact_speed: np.ndarray) -> np.ndarray:
         """Restitution at the normal impact speeds."""
-        s = 1.15344 * self.A * np.asarray(impact_speed) ** 0.2
+        s = C1 * self.A * np.asarray(impact_speed) ** 0.2
         return 1.0 - s + 0.6 * s**2
 
 
+@dataclass(frozen=True)
+class ScaledRestitution:
+    """Restitution law in velocities of the unit ``scale``: e(scale · |g·ω|)."""
+
+    restitution: Callable[[np.ndarray], np.ndarray]
+    scale: float
+
+    def __call__(self, impact_speed: np.ndarray) -> np.ndarray:
+        """Restitution at the scaled normal impact speeds."""
+        return self.restitution(self.scale * np.asarray(impact_speed))
+
+
 def check_restitution(restitution: Restitution, largest_speed: float = 1.0) -> None:
-    """Raise ValueError unless ``restitution`` is within [0, 1] at speeds up to ``largest_speed``."""
+    """Raise ValueError unless ``restitution`` lies in [0, 1].
+
+    Parameters
+    ----------
+    restitution : float or callable
+    largest_speed : float
+        Impact speed up to which a law is checked, at 257 speeds from 0 on.
+    """
     if callable(restitution):
         speeds = np.linspace(0.0, largest_speed, 257)
         values = np.asarray(restitution(speeds), dtype=float)
@@ -46,22 +80,10 @@ def check_restitution(restitution: Restitution, largest_speed: float = 1.0) -> N
                 f"restitution={restitution!r}: must lie between 0 and 1 for impact speeds up to "
                 f"{largest_speed:g}; does not at {worst:g}"
             )
-    elif isinstance(restitution, bool) or not isinstance(restitution, (int, float, np.number)):
+    elif not is_real(restitution):
         raise ValueError(
             f"restitution={restitution!r}: must be a number between 0 and 1 or a function of the "
             "normal impact speed"
         )
     elif not 0.0 <= restitution <= 1.0:
         raise ValueError(f"restitution={restitution!r}: must lie between 0 and 1")
-
-
-@dataclass(frozen=True)
-class ScaledRestitution:
-    """Restitution of particles that are ``scale`` times as fast: e(scale · |g·ω|)."""
-
-    restitution: Callable[[np.ndarray], np.ndarray]
-    scale: float
-
-    def __call__(self, impact_speed: np.ndarray) -> np.ndarray:
-        """Restitution at the scaled normal impact speeds."""
-        return self.restitution(self.scale * np.asarray(impact_speed))

@@ -1,6 +1,7 @@
-"""Scene: what is modelled — density, kernel, restitution, diffusion, symmetry."""
+"""Scene: the gas that is modelled, by its initial density, kernel, restitution, heating and symmetry."""
 
 import dataclasses
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -11,6 +12,7 @@ from granstudy.model.densities import density_parameters, named_density
 from granstudy.model.kernel import VHS, maxwell
 from granstudy.model.restitution import Restitution, check_restitution
 from granstudy.model.stated_moments import StatedMoments
+from granstudy.support.checks import is_real
 from granstudy.support.errors import unknown_name
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.space import VelocitySpace, check_dim
@@ -19,30 +21,31 @@ from granstudy.velocity.symmetry import Symmetry
 
 @dataclass(frozen=True, init=False)
 class Scene:
-    """What is modelled: ∂t f − ε Δv f = Q(f,f), f(0) = initial.
+    """The gas that is modelled: ∂t f − ε Δv f = Q(f,f), f(0) = initial.
 
     Attributes
     ----------
     dim : int
         Velocity dimension, 2 or 3.
     initial : str or callable
-        Name out of `INITIAL_DENSITIES`, or a function of ``dim`` broadcastable velocity components.
+        Initial density: a name out of `granstudy.model.densities.INITIAL_DENSITIES`, or a function of ``dim``
+        broadcastable velocity components.
     kernel : VHS
         Collision kernel B(|g|).
     restitution : float or callable
-        e, or e as a function of the normal impact speed |g·ω|.
+        Restitution e in [0, 1], or e as a function of the normal impact speed |g·ω|.
     diffusion : float
-        ε ≥ 0, the heating.
+        Heating ε ≥ 0.
     symmetry : Symmetry, str or None
-        Signed permutations of the axes that leave the initial density, and with it every later one, as
-        it is: a group or its name (``none``, ``inversion``, ``reflections``, ``exchange``, ``full``).
-        None takes what the density itself declares as its ``symmetry``; a plain function declares
-        none. It is verified where the density is put on a grid.
+        Signed permutations of the axes that leave the initial density as it is; every later density then
+        has them too. A group, or the name of one: ``none``, ``inversion``, ``reflections``, ``exchange``,
+        ``full``. None takes the density's own ``symmetry``; a plain function has none. The symmetry is
+        verified where the density is put on a grid.
 
     Raises
     ------
     ValueError
-        If a field is outside what is stated above; the message names field, value and allowed.
+        If a field has another value; the message says field, value and allowed.
     """
 
     dim: int
@@ -65,11 +68,7 @@ class Scene:
         if not isinstance(kernel, VHS):
             raise ValueError(f"kernel={kernel!r}: must be a granstudy.VHS")
         check_restitution(restitution)
-        if (
-            isinstance(diffusion, bool)
-            or not isinstance(diffusion, (int, float, np.number))
-            or not (np.isfinite(diffusion) and diffusion >= 0.0)
-        ):
+        if not (is_real(diffusion) and 0.0 <= diffusion < math.inf):
             raise ValueError(f"diffusion={diffusion!r}: must be a number of at least 0")
         density = initial if callable(initial) else named_density(initial)()
         own_dim = getattr(density, "dim", dim)
@@ -81,6 +80,7 @@ class Scene:
         object.__setattr__(self, "symmetry", self._group(symmetry))
 
     def _group(self, declared: Symmetry | str | None) -> Symmetry:
+        """The group of the declared symmetry, or of the density's own."""
         if declared is None:
             declared = getattr(self.initial, "symmetry", "none")
         group = Symmetry.named(self.dim, declared) if isinstance(declared, str) else declared
@@ -92,17 +92,17 @@ class Scene:
 
     @property
     def moments(self) -> StatedMoments | None:
-        """Moments of the initial density in closed form, or None where it does not state them."""
+        """Moments of the initial density in closed form; None for a density that does not state them."""
         return getattr(self.initial, "moments", None)
 
     def density(self, grid: VelocitySpace) -> np.ndarray:
-        """Initial density on a grid, shape ``grid.shape``.
+        """Initial density on a grid, an array of the shape ``grid.shape``.
 
         Raises
         ------
         ValueError
-            If the grid's dimension is another one, or the density is not finite or of another
-            shape than the grid, or has no mass there, or lacks the declared symmetry.
+            For a grid of another dimension, and for a density that has another shape than the grid, is
+            not finite, has no mass there, or lacks the declared symmetry.
         """
         if grid.dim != self.dim:
             raise ValueError(f"grid has dim {grid.dim}: the scene has dim {self.dim}")
@@ -112,7 +112,7 @@ class Scene:
         return f
 
     def coordinates(self) -> dict[str, Any]:
-        """What is swept of a scene, by the names of `granstudy.datasets.parameters`."""
+        """The scene's parameters that a study sweeps, by name (`granstudy.datasets.parameters`)."""
         e = self.restitution
         law = {"restitution": repr(e)} if callable(e) else {"e": float(e)}
         return {**law, "exponent": self.kernel.exponent, "epsilon": float(self.diffusion)}
@@ -132,7 +132,7 @@ class Scene:
 
 
 def check_density(f: np.ndarray, grid: VelocitySpace) -> np.ndarray:
-    """Return ``f`` as float64 or raise ValueError: shape, finiteness and mass on the grid."""
+    """Return ``f`` as float64, or raise ValueError for its shape, type, values or mass on the grid."""
     if np.shape(f) != grid.shape:
         raise ValueError(f"density has shape {np.shape(f)}: the grid's is {grid.shape}")
     if np.iscomplexobj(f) or not np.issubdtype(np.asarray(f).dtype, np.number):
@@ -147,16 +147,29 @@ def check_density(f: np.ndarray, grid: VelocitySpace) -> np.ndarray:
 
 
 def load_scene(name: str, **overrides: Any) -> Scene:
-    """Named scene, any field overridden.
+    """A scene by its name, with any field overridden.
 
-    The paper's kernel (Maxwell molecules of unit cross-section) and its ε = 10⁻⁶ are the defaults. In 2D
-    and 3D, ``maxwellian`` also takes ``temperature`` and ``velocity``, ``uniform_ball`` a ``temperature``,
-    ``power_law`` a ``temperature`` and its ``tail``, ``two_beams`` their ``temperature`` and ``separation``.
+    The defaults are the paper's: Maxwell molecules of unit cross-section, e = 1, ε = 10⁻⁶.
+
+    Parameters
+    ----------
+    name : str
+        A name out of `granstudy.model.densities.INITIAL_DENSITIES`.
+    overrides
+        Fields of `Scene` but ``dim`` and ``initial``; and parameters of the density, which some names have in
+        2D and 3D:
+
+        ================  =================================
+        ``maxwellian``    ``temperature``, ``velocity``
+        ``uniform_ball``  ``temperature``
+        ``power_law``     ``temperature``, ``tail``
+        ``two_beams``     ``temperature``, ``separation``
+        ================  =================================
 
     Raises
     ------
     ValueError
-        For an unknown name or override, or a value its field does not allow.
+        For an unknown name or override, or a value that its field does not allow.
     """
     make = named_density(name)
     fields = {field.name for field in dataclasses.fields(Scene)} - {"dim", "initial"}
@@ -167,7 +180,5 @@ def load_scene(name: str, **overrides: Any) -> Scene:
         if key not in allowed:
             raise unknown_name(f"field of scene {name!r}", key, sorted(fields | allowed))
     initial = make(**own)
-    dim = initial.dim  # type: ignore[attr-defined]
-    return Scene(
-        **{"dim": dim, "initial": initial, "kernel": maxwell(dim), "diffusion": 1e-6} | scene_fields
-    )
+    paper: dict[str, Any] = {"kernel": maxwell(initial.dim), "diffusion": 1e-6}
+    return Scene(initial.dim, initial, **paper | scene_fields)

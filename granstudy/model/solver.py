@@ -1,4 +1,4 @@
-"""Solver: how well a scene is modelled — grid, quadrature, variant, method."""
+"""Solver: the grid, the quadrature and the method that a scene is modelled with."""
 
 import dataclasses
 import json
@@ -26,77 +26,92 @@ RADIAL_RULES = ("legendre", "jacobi")
 PRECISIONS = ("double", "single")
 DEVICES = ("cpu", "gpu")
 
+NOT_IN_USE = {"dealias": False, "precision": PRECISIONS[0], "device": DEVICES[0]}
+"""Values of the fields of `PRODUCTS` that a solver's description leaves out."""
+
 LEAST_PARTICLES = 10
-"""Smallest number of particles in a batch of `dsmc`: fewer have no covariance to speak of."""
+"""Smallest number of particles in a batch of `dsmc`: the covariance of fewer says little."""
 
 
 def setting(default: Any, text: str) -> Any:
-    """A field of `Solver`, with what a study file's schema says of it."""
+    """A field of `Solver`, with its explanation in the schema of study files."""
     return dataclasses.field(default=default, metadata={"help": text})
 
 
 @dataclass(frozen=True, eq=False)
 class Solver:
-    """How well it is modelled.
+    """The grid, the quadrature and the method that a scene is modelled with.
+
+    Defaults are the paper's. A field that the method does not take keeps its default
+    (`granstudy.model.methods`).
 
     Attributes
     ----------
-    N : int
-        Grid points in each dimension, even; for `radial` the number of radial nodes, which resolve
-        what a Cartesian grid of 1.7 N points in each dimension does.
-    R : float
-        Truncation radius of the relative velocity. Where ``rtol`` is given, N and R may both be left out:
-        they are then chosen for the scene's initial density (`granstudy.fit_solver`).
+    N : int or None
+        Points of the grid in each dimension, an even number. For `radial`: the number of speeds; N speeds
+        resolve what 1.7 N Cartesian points in each dimension do.
+    R : float or None
+        Truncation radius of the relative velocity. With ``rtol``, N and R may both be None: they are then
+        chosen for the scene's initial density (`granstudy.fit_solver`).
     N_rho : int or None
-        Radial nodes; None lets `direct` take as many as the integral needs to converge.
-    M_sph, M_cir : int
-        Nodes on the sphere (3D) and on the circle (2D); the other one is not used. For the
-        ``gauss-theta-phi`` rule M_sph is the pair (N_theta, N_phi).
+        Radial nodes of the quadrature. None, for `direct` only: as many as the integral needs to converge.
+    M_sph : int or pair of int
+        Nodes on the sphere, in 3D; the rule ``gauss-theta-phi`` takes a pair (N_theta, N_phi).
+    M_cir : int
+        Nodes on the circle, in 2D.
     variant : str
-        ``full``: gain and loss with the same nodes. ``separate``: the loss from its closed form.
+        ``full``: gain and loss by the same nodes. ``separate``: the loss in closed form.
     method : str
-        ``auto`` (the cheapest one that can do the scene, see `granstudy.choose`; N then counts
-        Cartesian points, whatever is chosen), ``literal`` (the paper's recipe), ``direct`` (O(N^{2d})
-        reference), ``fast``, ``radial`` (isotropic densities and constant e only; N_rho, M_sph, M_cir,
-        variant are not used),
-        ``carleman`` (elastic and near-elastic scenes; N_rho is not used), ``dsmc`` (particles: no operator,
-        `granstudy.simulate` only; N and R say the cells and the box that the initial density is drawn on,
-        and nothing else but the three fields of particles is used).
+        One of
+
+        ============  ==============================================================================
+        ``auto``      the cheapest method that can do the scene (`granstudy.choose`); N counts
+                      Cartesian points, whatever is chosen
+        ``literal``   the paper's recipe, every node of it
+        ``direct``    the sum over all pairs of modes, O(N^{2d}): a reference
+        ``fast``      the paper's sum over nodes, made fast
+        ``radial``    isotropic densities and constant e only
+        ``carleman``  elastic and near-elastic scenes only
+        ``dsmc``      particles; no operator, `granstudy.simulate` only. N and R give the cells and
+                      the box that velocities are drawn on
+        ============  ==============================================================================
+
     sphere_rule : str
-        ``design``, ``lebedev``, ``product``, ``gauss-theta-phi``, or a text file of unit vectors.
+        ``design``, ``lebedev``, ``product``, ``gauss-theta-phi``, or the path of a text file of unit vectors.
     radial_rule : str
-        ``legendre`` (the paper) or ``jacobi`` (spectral for every λ).
+        ``legendre`` (the paper's) or ``jacobi`` (spectral at every λ).
     rtol : float or None
-        For `fast`, and `auto`: tolerance in (0, 1) of Q's quadrature error over max|Q| (near an
-        equilibrium, where Q vanishes, over a hundredth of the loss), and half that of its mass, momentum
-        and energy over those of |Q|. The shells and the rule of each are then chosen for the scene, and
-        N_rho, M_sph, M_cir,
-        sphere_rule and radial_rule are left alone.
+        For `fast` and `auto`: tolerance in (0, 1) of the quadrature error of Q, over max|Q|; near an
+        equilibrium, where Q vanishes, over a hundredth of the loss. Errors of the mass, momentum and energy
+        of Q are held to half of rtol, over those of |Q|. The shells, and the rule of each, are then chosen
+        for the scene; N_rho, M_sph, M_cir, sphere_rule and radial_rule keep their defaults. For `radial`,
+        which has no such error, rtol chooses N and R alone.
     circular : bool
-        For `direct`: do as the paper's direct method does. l+m wraps around the spectrum, as
-        products on the grid do, and sinc is evaluated as in the paper's code.
+        For `direct`: the paper's direct method to its digits. l + m wraps around the spectrum, as products
+        on a grid do, and sinc is evaluated as in the paper's code.
     particles : int or None
         For `dsmc`, which needs it: particles of all batches together, a multiple of ``batches``.
     batches : int
-        For `dsmc`: independent batches, at least 2, whose spread gives the standard errors.
+        For `dsmc`: independent batches, at least 2. Their spread gives the standard errors.
     seed : int
-        For `dsmc`: of the random numbers. The same seed gives the same bytes, whatever ``threads``.
+        For `dsmc`: seed of the random numbers. The same seed gives the same bytes.
     dealias : bool
-        For `fast`, and `auto`: form the products on a grid of 3N/2 points a dimension, so that nothing wraps
-        around the spectrum; about five times the time at N = 32 in 3D.
+        For `fast` and `auto`: whether products are formed on 3N/2 points a dimension, so that nothing wraps
+        around the spectrum. An evaluation takes about five times as long (N = 32 in 3D).
     precision : str
-        For `fast`, and `auto`: ``double``, or ``single`` for the transforms and loops of the gain's nodes,
-        about twice as fast, with a round-off of some 1e-7 of max|Q⁺|.
+        For `fast` and `auto`: ``double``, or ``single`` for the transforms and loops of the gain. Single
+        precision is about twice as fast, with a round-off of some 1e-7 of max|Q⁺|.
     threads : int or None
-        Threads to use, None for one a core. Results do not depend on it.
+        Threads to use; None: one a core. Results do not depend on the number.
     device : str
-        ``cpu`` or ``gpu``: where `fast` sums over its nodes. A GPU needs CuPy or PyTorch (``pip install
-        'granstudy[gpu]'``) and a restitution that is a constant; results differ by round-off.
+        For `fast` and `auto`: ``cpu``, or ``gpu`` for the sum over nodes. A GPU needs CuPy or PyTorch (``pip
+        install 'granstudy[gpu]'``) and a constant restitution; results differ by round-off.
 
     Raises
     ------
     ValueError
-        If a field is outside what is stated above; the message names field, value and allowed.
+        If a field has another value, or the method does not take it; the message says field, value and
+        what is allowed.
     """
 
     N: int | None = setting(None, "grid points in each dimension; radial: speeds")
@@ -139,6 +154,7 @@ class Solver:
             self._check_particles()
 
     def _check_grid(self) -> None:
+        """Raise ValueError unless N and R are both good, or both open and a tolerance chooses them."""
         if self.N is not None and self.R is not None:
             (check_node_count if self.traits.radial else check_point_count)(self.N)
             check_radius(self.R)
@@ -152,6 +168,7 @@ class Solver:
             raise ValueError(f"N={self.N!r}, R={self.R!r}: rtol chooses both; give both or neither")
 
     def _check_sizes(self) -> None:
+        """Raise ValueError for a bad number of nodes or threads, or a bad dealias."""
         if self.N_rho is not None:
             check_count("N_rho", self.N_rho)
         elif not self.traits.free_radii:
@@ -176,6 +193,7 @@ class Solver:
                 )
 
     def _check_rtol(self, rtol: object) -> None:
+        """Raise ValueError for a bad tolerance, or one beside a field that it chooses."""
         if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 0.0 < rtol < 1.0:
             raise ValueError(f"rtol={rtol!r}: must be a number between 0 and 1, or None")
         for field in dataclasses.fields(self):
@@ -186,6 +204,7 @@ class Solver:
                 )
 
     def _check_particles(self) -> None:
+        """Raise ValueError for bad numbers of particles or batches, or a bad seed."""
         check_count("particles", self.particles)
         check_count("batches", self.batches)
         assert self.particles is not None
@@ -200,7 +219,7 @@ class Solver:
             raise ValueError(f"seed={self.seed!r}: must be an integer of at least 0")
 
     def __eq__(self, other: object) -> bool:
-        """Whether the other one has the same fields, sized or not."""
+        """Whether both have the same fields; a `SizedSolver` may equal a `Solver`."""
         return isinstance(other, Solver) and self._values() == other._values()
 
     def __hash__(self) -> int:
@@ -211,16 +230,16 @@ class Solver:
 
     @property
     def traits(self) -> Method:
-        """What its method takes."""
+        """The traits of the method."""
         return METHODS[self.method]
 
     @property
     def is_open(self) -> bool:
-        """Whether it leaves the method or the grid to be chosen for a scene."""
+        """Whether the method, or the grid, is yet to be chosen for a scene."""
         return self.traits.chooses or self.N is None
 
     def sized(self) -> "SizedSolver":
-        """The same solver as one whose N and R are known.
+        """The solver with N and R known to type checkers.
 
         Raises
         ------
@@ -232,7 +251,7 @@ class Solver:
         return SizedSolver(*self._values())
 
     def grid(self, dim: int) -> VelocityGrid:
-        """The Cartesian velocity grid in ``dim`` dimensions, of every method but `radial`."""
+        """The Cartesian grid in ``dim`` dimensions; method `radial` has another one (`RadialGrid`)."""
         sized = self.sized()
         return VelocityGrid(dim, sized.N, sized.R)
 
@@ -242,7 +261,10 @@ class Solver:
         return self.threads or len(os.sched_getaffinity(0))
 
     def coordinates(self, dim: int) -> dict[str, Any]:
-        """What is swept of a solver and plays a part, by the names of `granstudy.datasets.parameters`."""
+        """The solver's parameters that a study sweeps and that play a part.
+
+        Keys are the names of `granstudy.datasets.parameters`; values that a run lacks are left out.
+        """
         grid: dict[str, Any] = {"N": self.N, "R": self.R}
         if self.traits.by_particles:
             sizes = {"particles": self.particles, "batches": self.batches, "seed": self.seed}
@@ -264,7 +286,7 @@ class Solver:
         }
 
     def _quadrature_coordinates(self, dim: int) -> dict[str, Any]:
-        """The tolerance, or the sizes that it takes the place of."""
+        """The tolerance; without one, the numbers of nodes."""
         if self.rtol is not None:
             return {"rtol": float(self.rtol)}
         N_rho = -1 if self.N_rho is None else self.N_rho
@@ -278,9 +300,9 @@ class Solver:
     def describe(self) -> dict[str, Any]:
         """The solver as plain data, for a dataset's attributes.
 
-        ``threads`` is left out: it changes how long a run takes, not what comes out. So is what plays no
-        part, ``rtol`` or what it chooses, and so
-        are the fields of `PRODUCTS` that are not in use.
+        Only fields that decide the result are described. Left out are ``threads``; the fields that
+        ``rtol`` chooses, or ``rtol`` where it is None; fields of particles, or of quadrature, for methods
+        without them; and the fields of `PRODUCTS` that are not in use.
         """
         every = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
         unused = {"threads", *({"rtol"} if self.rtol is None else QUADRATURE)}
@@ -289,13 +311,9 @@ class Solver:
         return {key: value for key, value in every.items() if key not in unused}
 
 
-NOT_IN_USE = {"dealias": False, "precision": PRECISIONS[0], "device": DEVICES[0]}
-"""Values of fields of `PRODUCTS` that a description leaves out."""
-
-
 @dataclass(frozen=True, eq=False)
 class SizedSolver(Solver):
-    """A solver whose N and R are known, as every operator needs them; see `Solver`."""
+    """A `Solver` whose N and R are known: every operator needs them."""
 
     N: int
     R: float
@@ -306,26 +324,26 @@ class SizedSolver(Solver):
 
     @property
     def product_points(self) -> int:
-        """Points a dimension on which `fast` forms products: N, or 3N/2 and even where they are padded.
+        """Points a dimension on which `fast` forms products: N, or with ``dealias`` 3N/2, made even.
 
-        Two spectra of modes up to N/2 have a product with modes up to N; on 3N/2 points those above N wrap
-        around to modes of N/2 and more, which are dropped.
+        A product of two spectra has modes up to N. On 3N/2 points, modes that wrap around land at N/2 and
+        beyond, and those modes are dropped.
         """
         return 2 * math.ceil(3 * self.N / 4) if self.dealias else self.N
 
 
 @dataclass(frozen=True)
 class Choice:
-    """What became of a solver that left something open.
+    """A solver as it was asked for, and as it was chosen for a scene (`granstudy.choose`).
 
     Attributes
     ----------
     asked : Solver
-        What was asked for.
+        The solver asked for, which may leave grid or method open.
     solver : SizedSolver
-        What does it: the same where nothing was left open.
+        The solver chosen; the same where nothing was open.
     reason : str
-        Why, in a line.
+        Why, in a line; "" where nothing was open.
     """
 
     asked: Solver
@@ -333,7 +351,7 @@ class Choice:
     reason: str
 
     def attributes(self) -> dict[str, str]:
-        """What a dataset says about it, beside the ``solver`` that did it; nothing where nothing was open."""
+        """Attributes of a dataset beside its ``solver``: none where nothing was open."""
         if self.solver == self.asked:
             return {}
         asked = json.dumps(self.asked.describe(), sort_keys=True)

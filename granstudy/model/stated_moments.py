@@ -1,4 +1,4 @@
-"""Moments that an initial density states in closed form, whatever a grid makes of it."""
+"""Moments of initial densities in closed form: what is exact, whatever a grid makes of a density."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,13 +13,13 @@ class StatedMoments:
     Attributes
     ----------
     density : float
-        ρ.
+        Mass ρ = ∫f dv.
     velocity : ndarray, shape (d,)
-        u.
+        Bulk velocity u = ∫v f dv / ρ.
     pressure : ndarray, shape (d, d)
-        ∫(v−u)(v−u) f dv.
+        Pressure tensor ∫(v−u)(v−u) f dv.
     a2 : float
-        d/(d+2) ⟨|v−u|⁴⟩/⟨|v−u|²⟩² − 1.
+        Kurtosis excess d/(d+2) ⟨|v−u|⁴⟩/⟨|v−u|²⟩² − 1.
     """
 
     density: float
@@ -45,12 +45,17 @@ def of_gaussians(
 ) -> StatedMoments:
     """Moments of Σ_j m_j Π_i (2πs_ji)^{−1/2} exp(−(v_i − c_ji)²/(2s_ji)).
 
-    With D = c − u and S = diag(s) of each: ⟨cc⟩ = DD + S, ⟨|c|⁴⟩ = (|D|² + tr S)² + 4 D·SD + 2 tr S².
+    A Gaussian with D = c − u and S = diag(s) has, about u, the second moments DD + S and the fourth moment
+    (|D|² + tr S)² + 4 D·SD + 2 tr S².
 
     Parameters
     ----------
-    masses, centres, variances : sequences, shapes (n,), (n, d) and (n, d)
-        m_j, c_j and s_j, along the axes.
+    masses : sequence, shape (n,)
+        m_j.
+    centres : sequence, shape (n, d)
+        c_j.
+    variances : sequence, shape (n, d)
+        s_j along the axes.
     """
     m, c, s = np.array(masses), np.array(centres), np.array(variances)
     density, dim = m.sum(), c.shape[1]

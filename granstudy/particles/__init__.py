@@ -1,4 +1,4 @@
-"""Direct simulation by particles (DSMC): an independent check of the spectral methods (docs/particles.md)."""
+"""Direct simulation by particles, method `dsmc`: a check that shares nothing with a grid."""
 
 from granstudy.particles.dataset import time_average
 from granstudy.particles.simulation import simulate_particles

@@ -1,8 +1,8 @@
 """One batch of particles: its collisions, its heating, its moments (docs/particles.md §1, §3)."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,10 +12,10 @@ from granstudy.particles.restitution_table import alpha_table
 from granstudy.velocity.sphere import sphere_area
 
 HEATING_SPLIT = 2.5e-3
-"""(2εh/T)·(νh) of a step h of heating, ν the collision rate: an error of T below 1e-4 at steady state."""
+"""Largest (2εh/T)·(νh) of a heating step h, ν the collision rate: errors of steady T stay below 1e-4."""
 
 COLLISIONS_A_STEP = 2.0
-"""νh at most, where there is any heating: between two kicks a gas must not cool much."""
+"""Largest νh of a heating step: between two kicks, a gas must not cool much."""
 
 
 class HardImpactError(ValueError):
@@ -24,14 +24,25 @@ class HardImpactError(ValueError):
 
 @dataclass(frozen=True)
 class Gas:
-    """What all batches have in common: ρ, the bulk velocity u, and how particles collide.
+    """What all batches share: dimension, ρ, u, and how particles collide and are heated.
 
     Attributes
     ----------
+    dim : int
     density : float
         ρ.
     velocity : ndarray, shape (3,)
-        u; particles are described by c = v − u.
+        Bulk velocity u; particles are described by c = v − u.
+    rate : float
+        ρ|S|C_λ: collision rate of a particle where |g|^λ = 1.
+    exponent : float
+        λ.
+    diffusion : float
+        ε.
+    alphas : ndarray
+        Table of α (`granstudy.particles.restitution_table.alpha_table`).
+    largest_impact : float
+        Largest impact speed of the table.
     """
 
     dim: int
@@ -45,7 +56,7 @@ class Gas:
 
     @classmethod
     def of(cls, scene: Scene, R: float, density: float, velocity: np.ndarray) -> "Gas":
-        """The gas of a scene with this density and bulk velocity."""
+        """The gas of a scene, with the density and bulk velocity given; R sets the table of restitution."""
         alphas, largest_impact = alpha_table(scene.restitution, R)
         return cls(
             dim=scene.dim,
@@ -59,21 +70,77 @@ class Gas:
         )
 
     def heating_step(self, temperature: float) -> float:
-        """Time between kicks, by the two conditions above and ν = ρ|S|C_λ (2√T)^λ."""
+        """Time between kicks, by `HEATING_SPLIT` and `COLLISIONS_A_STEP` with ν = ρ|S|C_λ (2√T)^λ."""
         nu = self.rate * (2.0 * np.sqrt(temperature)) ** self.exponent
         split = np.sqrt(HEATING_SPLIT * temperature / (2.0 * self.diffusion * nu))
         return float(min(split, COLLISIONS_A_STEP / nu))
 
 
+class Averages(NamedTuple):
+    """Averages over the particles of a batch.
+
+    Attributes
+    ----------
+    density : float
+        ρ of the gas.
+    velocity : ndarray, shape (d,)
+        u.
+    second : ndarray, shape (d, d)
+        ⟨cc⟩, c the velocity about u.
+    fourth : float
+        ⟨|c|⁴⟩.
+    """
+
+    density: float
+    velocity: np.ndarray
+    second: np.ndarray
+    fourth: float
+
+    @property
+    def dim(self) -> int:
+        """Velocity dimension d."""
+        return len(self.velocity)
+
+    @property
+    def temperature(self) -> Any:
+        """T = tr⟨cc⟩/d."""
+        return np.trace(self.second) / self.dim
+
+    @property
+    def energy(self) -> Any:
+        """E = ½ρ(dT + |u|²)."""
+        u = self.velocity
+        return 0.5 * self.density * (self.dim * self.temperature + u @ u)
+
+
+BATCH_MOMENTS: dict[str, Callable[[Averages], Any]] = {
+    "density": lambda a: a.density,
+    "velocity": lambda a: a.velocity,
+    "energy": lambda a: a.energy,
+    "temperature": lambda a: a.temperature,
+    "paper_temperature": lambda a: 2.0 * a.energy / a.dim,
+    "pressure": lambda a: a.density * a.second,
+    "a2": lambda a: a.fourth / (a.dim * (a.dim + 2) * a.temperature**2) - 1.0,
+}
+"""The moments of `granstudy.velocity.moments.MOMENTS` by particles; a new one is a new row."""
+
+
 class Batch:
-    """n particles, advanced in time by their own random numbers.
+    """n particles, which advance in time by random numbers of their own.
+
+    Parameters
+    ----------
+    gas : Gas
+    c : ndarray, shape (n, d)
+        Velocities about u, with mean 0.
+    rng : numpy.random.Generator
 
     Attributes
     ----------
     c : ndarray, shape (n, 3)
-        Velocities about u, the third component 0 in 2D. Their mean stays 0 to round-off.
+        Velocities about u now; in 2D the third component is 0. The mean stays 0 to round-off.
     collisions : int
-        Since the start.
+        Collisions since the start.
     """
 
     def __init__(self, gas: Gas, c: np.ndarray, rng: np.random.Generator) -> None:
@@ -83,32 +150,22 @@ class Batch:
         self.collisions = 0
 
     def moments(self) -> dict[str, Any]:
-        """The moments of `granstudy.velocity.moments`, and how many collisions a particle has had."""
-        gas, d = self.gas, self.gas.dim
+        """Moments as of `granstudy.velocity.moments`, and collisions that a particle has had, on average."""
+        d = self.gas.dim
         mean, second, fourth = means(self.c)
-        u = (gas.velocity + mean)[:d]
-        temperature = np.trace(second) / d
-        energy = 0.5 * gas.density * (d * temperature + u @ u)
-        with np.errstate(all="ignore"):  # of a gas at rest
-            kurtosis_excess = fourth / (d * (d + 2) * temperature**2) - 1.0
-        return {
-            "density": gas.density,
-            "velocity": u,
-            "energy": energy,
-            "temperature": temperature,
-            "paper_temperature": 2.0 * energy / d,
-            "pressure": gas.density * second[:d, :d],
-            "a2": kurtosis_excess,
-            "collisions": 2.0 * self.collisions / len(self.c),
-        }
+        velocity = (self.gas.velocity + mean)[:d]
+        averages = Averages(self.gas.density, velocity, second[:d, :d], fourth)
+        with np.errstate(all="ignore"):  # a gas at rest has no a2
+            values = {name: value(averages) for name, value in BATCH_MOMENTS.items()}
+        return values | {"collisions": 2.0 * self.collisions / len(self.c)}
 
     def advance(self, duration: float) -> None:
-        """Go on by ``duration``; heating and collisions in turn by Strang's splitting.
+        """Advance by ``duration``: collisions, in turn with heating by Strang's splitting.
 
         Raises
         ------
         HardImpactError
-            Where a restitution law was needed beyond the speeds it was checked for.
+            If an impact was faster than the speeds up to which the restitution law was checked.
         """
         if self.gas.diffusion == 0.0:
             self._collide(duration)
@@ -124,6 +181,7 @@ class Batch:
         self._heat(unheated)
 
     def _collide(self, duration: float) -> None:
+        """Let particles collide for ``duration``."""
         gas = self.gas
         collisions, hardest = collide(
             self.c, gas.dim, self.rng, duration, gas.rate, gas.exponent, gas.alphas,
@@ -137,9 +195,9 @@ class Batch:
             )
 
     def _heat(self, duration: float) -> None:
-        """Kicks of variance 2ε·duration a component, without their mean, which would move u.
+        """Kick all particles: variance 2ε·duration in each component, and mean 0, so that u stays.
 
-        The factor n/(n−1) gives back the variance that the mean takes.
+        The factor n/(n−1) restores the variance that goes with the mean.
         """
         n, d = len(self.c), self.gas.dim
         kicks = self.rng.standard_normal((n, d))
@@ -147,14 +205,14 @@ class Batch:
         self.c[:, :d] += np.sqrt(2.0 * self.gas.diffusion * duration * n / (n - 1)) * kicks
 
     def cell_counts(self, N: int, L: float) -> np.ndarray:
-        """Particles in each cell of the box [−L, L]^d, shape (N,)*d."""
+        """Number of particles in each cell of the box [−L, L]^d, shape (N,)*d."""
         counts = np.zeros((N, N, N if self.gas.dim == 3 else 1), dtype=np.int64)
         count_in_cells(self.c, self.gas.velocity, L, counts)
         return counts if self.gas.dim == 3 else counts[:, :, 0]
 
 
 def history(batch: Batch, times: np.ndarray) -> Iterator[dict[str, Any]]:
-    """The batch's moments at increasing times, one after the other."""
+    """Moments of the batch at increasing ``times``, one after the other."""
     now = 0.0
     for time in times:
         if time > now:

@@ -1,6 +1,6 @@
 """Compiled collisions of one batch: Kac's process by an exponential clock (docs/particles.md §1).
 
-Velocities are (n, 3) whatever the dimension, the third component 0 in 2D.
+Velocities have the shape (n, 3) in both dimensions; in 2D the third component is 0.
 """
 
 import math
@@ -9,12 +9,13 @@ import numba
 import numpy as np
 
 OCTAVES = 64
-"""The table goes down to 2^−64 of its largest speed; below that the law keeps its value there."""
+"""Octaves of the table of restitution, down from its largest speed. Below them α keeps its value."""
 
 PER_OCTAVE = 128
-"""Linear pieces an octave: an error of at most 8e-6 · max|v² e''(v)|, for `granstudy.Viscoelastic` 1e-6."""
+"""Linear pieces of the table in an octave: an error of at most 8e-6 · max|v² e''(v)|, 1e-6 for
+`granstudy.Viscoelastic`."""
 
-# Constants are compiled in, and Numba's cache knows of changes in this file alone.
+# Numba compiles constants in, and its cache sees changes of this file only.
 _compile = numba.njit(nogil=True, cache=True, error_model="numpy")
 _compile_sums = numba.njit(nogil=True, cache=True, fastmath={"contract", "nsz", "reassoc"})
 
@@ -66,7 +67,10 @@ def alpha_at(speed, alphas, top):
 
 @_compile
 def recentre(c):
-    """Take off the mean, which is round-off, before a gas cools down to it; largest |c_i|² left."""
+    """Take off the mean of c, in place; returns the largest |c_i|² left.
+
+    The mean is round-off, which a gas that cools would come down to.
+    """
     x = y = z = 0.0
     for i in range(c.shape[0]):
         x += c[i, 0]
@@ -84,24 +88,24 @@ def recentre(c):
 
 @_compile
 def collide(c, dim, rng, duration, rate, exponent, alphas, top):
-    """Let the particles collide for so long; c is changed in place.
+    """Let the particles collide for ``duration``; c changes in place.
 
-    Each pair collides at the rate ``rate``/n · |g|^λ, ``rate`` = ρ |S| C_λ. As |g| ≤ G = 2 max|c|, candidates
-    come at the total rate (n−1)/2 · ``rate`` · G^λ, and one is a collision with probability (|g|/G)^λ. G is
-    raised with every particle that becomes faster, and taken anew after n candidates, as the gas cools: the
-    clock has no memory, so it may change between candidates.
+    Each pair collides at the rate ``rate``/n · |g|^λ, ``rate`` = ρ|S|C_λ. Let G = 2 max|c|, so that |g| ≤ G.
+    Candidates come at the total rate (n−1)/2 · ``rate`` · G^λ, and a candidate collides with probability
+    (|g|/G)^λ. G is raised with every particle that becomes faster, and taken anew after n candidates, as the
+    gas cools. The exponential clock has no memory, so that its rate may change between candidates.
 
     Parameters
     ----------
     c : ndarray, shape (n, 3)
         Velocities about their mean.
     alphas, top : ndarray, float
-        What `granstudy.particles.restitution_table.alpha_table` returns.
+        Table and largest speed (`granstudy.particles.restitution_table.alpha_table`).
 
     Returns
     -------
     (int, float)
-        Collisions, and the largest normal impact speed |g·ω| of one (0 for constant e).
+        Number of collisions, and their largest normal impact speed |g·ω|; 0 for constant e.
     """
     n = c.shape[0]
     largest = recentre(c)
@@ -172,7 +176,7 @@ def means(c):
 
 @_compile
 def count_in_cells(c, velocity, L, counts):
-    """Add every particle inside the box [−L, L]^d to its cell; ``counts`` (N, N, N), (N, N, 1) in 2D."""
+    """Add every particle in the box [−L, L]^d to its cell; ``counts`` is (N, N, N), in 2D (N, N, 1)."""
     per_length = counts.shape[0] / (2.0 * L)
     flat = counts.shape[2] == 1
     for i in range(c.shape[0]):

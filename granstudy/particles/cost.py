@@ -1,4 +1,4 @@
-"""What a simulation by particles will cost: its collisions are counted before it runs."""
+"""Cost of a simulation by particles; its collisions are counted before it runs."""
 
 import math
 from dataclasses import dataclass
@@ -16,35 +16,37 @@ from granstudy.theory import gaussian_cooling_coefficient
 from granstudy.velocity.sphere import sphere_area
 
 SECONDS_PER_COLLISION = {"maxwell": 5.5e-8, "hard spheres": 1.9e-7, "between": 4.0e-7}
-"""With the candidates that come to none, on one core of a 2021 server; a general |g|^λ takes long."""
+"""Seconds of a collision and its rejected candidates on one core of a 2021 server, by kind of kernel. Between
+Maxwell molecules and hard spheres, |g|^λ takes a power for each candidate."""
 
 CACHED_PARTICLES = 100_000
+"""Most particles of a batch that a core's cache holds."""
+
 OUT_OF_CACHE = 3.0
-"""How much longer a collision takes in a larger batch, as its pairs are anywhere in memory."""
+"""Time of a collision in a larger batch, over its time in a cached one: pairs lie anywhere in memory."""
 
 SETUP_SECONDS = 0.05
-"""Of the majorants of the initial density."""
+"""Seconds of the majorants of the initial density."""
 
 SECONDS_PER_DRAW = 6.0e-7
-"""Of one particle of the initial density, accepted or not."""
+"""Seconds of drawing one particle from the initial density, accepted or not."""
 
 SECONDS_PER_KICK = 1.0e-7
-"""Of one heating of one particle."""
+"""Seconds of heating one particle once."""
 
 SECONDS_PER_RECORD = 1.0e-8
-"""Of a particle's part in the moments."""
+"""Seconds of one particle in the moments of one record."""
 
 SECONDS_PER_CALL = 5.0e-5
-"""Of recording one batch once, whatever its size."""
-
+"""Seconds of one record of one batch, whatever its size."""
 
 EFFICIENCY = 0.9
-"""What each thread after the first adds, in parts of the first: batches share nothing but memory."""
+"""Speed that each thread after the first adds, in parts of the first: batches share memory only."""
 
 
 @dataclass(frozen=True)
 class Expected:
-    """What the gas is expected to do: collisions and heating steps of each particle, on average."""
+    """Expected collisions and heating steps of one particle, on average."""
 
     collisions: float
     heating_steps: float
@@ -53,7 +55,17 @@ class Expected:
 def particle_cost(
     scene: Scene, solver: SizedSolver, t_final: float, records: int
 ) -> tuple[Cost, int]:
-    """Cost on one thread of a run with so many recorded times, and the collisions expected in it."""
+    """Cost of a run on one thread, and the number of collisions expected in it.
+
+    Parameters
+    ----------
+    scene : Scene
+    solver : SizedSolver
+        Solver of method `dsmc`.
+    t_final : float
+    records : int
+        Number of recorded times.
+    """
     assert solver.particles is not None
     expected = expect(scene, solver, t_final)
     n = solver.particles
@@ -62,16 +74,16 @@ def particle_cost(
     seconds += n * expected.heating_steps * SECONDS_PER_KICK
     seconds += records * (n * SECONDS_PER_RECORD + solver.batches * SECONDS_PER_CALL)
     points = (solver.N + 1) ** scene.dim
-    # A batch and what it was drawn from on each thread; the cells' majorants.
+    # On each thread a batch and the velocities that it was drawn from; and the majorants of all cells.
     numbers = 20 * n / solver.batches * min(solver.thread_count, solver.batches) + 20 * points
     memory = INTERPRETER_MB + math.ceil(8 * numbers / 2**20)
     return Cost(SETUP_SECONDS + n * SECONDS_PER_DRAW, seconds, 1, memory), collisions
 
 
 def expect(scene: Scene, solver: Solver, t_final: float) -> Expected:
-    """Integrate dT/dt = 2ε − ρK T^{1+λ/2} (K of a Gaussian) and the collision rate along it.
+    """Integrate dT/dt = 2ε − ρK T^{1+λ/2}, K of a Gaussian, and the collision rate along T(t).
 
-    Of a restitution law, e is taken at the impact speed √T.
+    A restitution law counts by its e at the impact speed √T.
     """
     grid = solver.grid(scene.dim)
     start = grid.velocity_moments(scene.density(grid))
@@ -94,5 +106,6 @@ def expect(scene: Scene, solver: Solver, t_final: float) -> Expected:
 
 
 def _seconds_per_collision(kernel: VHS, n: int) -> float:
+    """Seconds of a collision in a batch of n particles."""
     kind = {0.0: "maxwell", 1.0: "hard spheres"}.get(kernel.exponent, "between")
     return SECONDS_PER_COLLISION[kind] * (OUT_OF_CACHE if n > CACHED_PARTICLES else 1.0)

@@ -1,4 +1,4 @@
-"""The dataset of a simulation by particles: means over batches with their standard errors."""
+"""The dataset of a simulation by particles: means over batches, with standard errors."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -10,18 +10,21 @@ from granstudy.datasets.run_dataset import (
     Ending,
     Header,
     kept_densities,
-    labelled,
     stamped,
     time_axes,
 )
 from granstudy.support.errors import unknown_name
+from granstudy.support.variables import labelled
 from granstudy.trust.exact_law import add_exact_law
 from granstudy.trust.health import health_variables
-from granstudy.velocity.moments import DIMENSIONS, LONG_NAMES
+from granstudy.velocity.moments import MOMENTS, Quantity
 from granstudy.velocity.space import VelocitySpace
 
 BY_BATCH = ("temperature", "a2")
-"""Moments of which a simulation by particles keeps every batch's value."""
+"""Moments whose values in every batch are kept."""
+
+COUNTS = {"collisions": Quantity("collisions that a particle has had")}
+"""What particles count beside the moments."""
 
 
 def particle_dataset(
@@ -33,7 +36,7 @@ def particle_dataset(
     health: Sequence[dict[str, float]],
     ending: Ending,
 ) -> xr.Dataset:
-    """Dataset of a simulation by particles: as of one on a grid, with standard errors.
+    """Dataset of a simulation by particles: that of a simulation on a grid, with standard errors.
 
     Parameters
     ----------
@@ -42,29 +45,30 @@ def particle_dataset(
         Cells that the kept densities are counted in.
     times : ndarray, shape (times,)
     by_batch : mapping of ndarray, shape (batches, times, ...)
-        Every moment of every batch. Each becomes its mean over batches and a `<name>_standard_error`; of
-        `BY_BATCH` the batches' own values are kept, too, as `<name>_by_batch`.
+        Every moment in every batch. A moment becomes its mean over batches, and `<name>_standard_error`.
+        Moments of `BY_BATCH` are also kept batch by batch, as `<name>_by_batch`.
     snapshots : mapping of ndarray
-        Densities kept, by time.
+        Kept densities, by time.
     health : sequence of dict
-        What was measured at each time, by the names of `granstudy.trust.health.SIGNS`.
+        Signs of health at each time, by the names of `granstudy.trust.health.SIGNS`.
     ending : Ending
 
     See Also
     --------
-    granstudy.evolution.dataset.evolution_dataset : also on the exact laws that stand beside.
+    granstudy.evolution.dataset.evolution_dataset : explains the variables on exact laws.
     """
-    long_names = LONG_NAMES | {"collisions": "collisions that a particle has had"}
+    quantities = {**MOMENTS, **COUNTS}
     data: dict[str, Any] = {}
     for name, values in by_batch.items():
-        dims = ("time", *DIMENSIONS.get(name, ()))
-        data[name] = labelled(values.mean(axis=0), long_names[name], dims)
+        quantity = quantities[name]
+        dims = ("time", *quantity.dimensions)
+        data[name] = labelled(values.mean(axis=0), quantity.long_name, dims)
         data[f"{name}_standard_error"] = labelled(
             standard_error(values), f"standard error of {name} over batches", dims
         )
         if name in BY_BATCH:
             data[f"{name}_by_batch"] = labelled(
-                values.T, f"{long_names[name]}, of each batch", ("time", "batch")
+                values.T, f"{quantity.long_name}, of each batch", ("time", "batch")
             )
     batches = next(iter(by_batch.values())).shape[0]
     axes = time_axes(grid.dim, times) | {"batch": np.arange(batches)}
@@ -84,8 +88,17 @@ def standard_error(by_batch: np.ndarray) -> np.ndarray:
 def time_average(ds: xr.Dataset, name: str, start: float) -> tuple[float, float]:
     """Mean of a moment over the recorded times from ``start`` on, and its standard error.
 
-    Each batch is averaged first and the error taken over batches, as one batch's values at several times
-    are not independent.
+    Each batch is averaged over time first. The error is then taken over batches, as values of one batch at
+    several times are not independent.
+
+    Parameters
+    ----------
+    ds : xarray.Dataset
+        Dataset of `granstudy.particles.simulate_particles`, or of `granstudy.simulate` by method `dsmc`.
+    name : str
+        ``temperature`` or ``a2``.
+    start : float
+        Time from which on the moment is averaged.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Restitution by the normal impact speed as a table: compiled loops cannot call a law in Python."""
+"""Restitution laws as tables over the normal impact speed: compiled loops cannot call Python."""
 
 import numpy as np
 
@@ -7,11 +7,23 @@ from granstudy.model.restitution import Restitution, check_restitution
 from granstudy.particles.collisions import OCTAVES, PER_OCTAVE
 
 LARGEST_SPEED = 4.0
-"""Largest speed of the table over the truncation radius R; two particles in the box are within 3.83 R."""
+"""Largest speed of the table over the truncation radius R: velocities in the box differ by 3.83 R at most."""
 
 
 def alpha_table(restitution: Restitution, R: float) -> tuple[np.ndarray, float]:
-    """α = (1+e)/4 at speeds up to the returned largest one; one value for constant e.
+    """Table of α = (1+e)/4 over impact speeds, and the largest of its speeds.
+
+    Parameters
+    ----------
+    restitution : float or callable
+    R : float
+        Truncation radius; the largest speed is 4R.
+
+    Returns
+    -------
+    alphas : ndarray
+        α at the speeds of `granstudy.particles.collisions.alpha_at`; one value for constant e.
+    largest : float
 
     Raises
     ------

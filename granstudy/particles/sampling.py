@@ -7,26 +7,27 @@ from granstudy.model.scene import Scene
 from granstudy.velocity.cartesian import VelocityGrid
 
 MARGIN = 1.05
-"""A cell's majorant over the largest density at its corners and centre."""
+"""Majorant of a cell, over the largest density at its corners and centre."""
 
 FLOOR = 0.02
-"""A cell's majorant over that of its neighbours, at least: mass that no corner sees is found."""
+"""Least majorant of a cell, over the majorants of its neighbours: finds mass that no corner sees."""
 
 NEGATIVE = 1e-12
-"""−f/max f up to which a density is taken to be 0: round-off."""
+"""Largest −f/max f that counts as round-off of 0."""
 
 
 class Sampler:
-    """Draws from a scene's density on the box [−L, L]^d.
+    """Draws velocities from the initial density of a scene, on the box [−L, L]^d of a grid.
 
-    A velocity is proposed uniformly in a cell that is chosen by its majorant M ≈ max f, and becomes
-    ⌊f/M + U⌋ particles, U uniform in [0, 1): one with probability f/M where M is a bound; where it is not,
-    two or more at times. The expected density is f in either case.
+    A cell is chosen in proportion to its majorant M ≈ max f, and a velocity is proposed uniformly in the
+    cell. The velocity becomes ⌊f/M + U⌋ particles, U uniform in [0, 1). Where M bounds f that is one particle
+    with probability f/M; where M does not, it is two or more at times. The expected density is f in either
+    case.
 
     Raises
     ------
     ValueError
-        For a density that is negative, not finite, or without mass on the grid.
+        For a density that is negative, not finite, or has no mass on the grid.
     """
 
     def __init__(self, scene: Scene, grid: VelocityGrid) -> None:
@@ -47,6 +48,7 @@ class Sampler:
         self._yield = min(1.0, centres.sum() / majorant.sum())
 
     def _not_negative(self, f: np.ndarray) -> np.ndarray:
+        """``f`` with negative round-off set to 0; ValueError for values below."""
         if f.min() < self._zero:
             raise ValueError(
                 f"initial={self._initial!r}: method 'dsmc' needs a density that is nowhere negative; "
@@ -55,6 +57,7 @@ class Sampler:
         return np.maximum(f, 0.0)
 
     def _density(self, *v: np.ndarray) -> np.ndarray:
+        """The initial density at the velocities ``v``, checked."""
         f = np.asarray(self._initial(*v), dtype=float)
         if f.shape != v[0].shape or not np.all(np.isfinite(f)):
             raise ValueError(
@@ -79,14 +82,23 @@ class Sampler:
             ]
             copies = np.floor(self._density(*v) / majorant + rng.random(proposals)).astype(int)
             found = np.repeat(np.stack(v, axis=1), copies, axis=0)
-            # They come cell by cell: those left out must be any of them.
+            # Velocities come cell by cell: a random choice of them must be dropped.
             drawn.append(found[rng.permutation(len(found))[:missing]])
             missing -= len(drawn[-1])
         return np.concatenate(drawn)
 
 
 def quiet(v: np.ndarray, covariance: np.ndarray) -> np.ndarray:
-    """Velocities about their mean, mapped linearly to have exactly this covariance ⟨cc⟩; shape (n, d).
+    """Velocities about their mean, mapped linearly to have the covariance ⟨cc⟩ given, exactly.
+
+    Parameters
+    ----------
+    v : ndarray, shape (n, d)
+    covariance : ndarray, shape (d, d)
+
+    Returns
+    -------
+    ndarray, shape (n, d)
 
     Raises
     ------

@@ -19,12 +19,22 @@ from granstudy.trust.flags import Status
 from granstudy.velocity.cartesian import VelocityGrid
 
 LEAST_TEMPERATURE = 1e-150
-"""Below this fourth powers of velocities are no floating-point numbers."""
+"""Temperature below which a gas is at rest: fourth powers of velocities underflow."""
 
 
 @dataclass(frozen=True)
 class BatchRecord:
-    """What one batch leaves: its moments at the times it reached, cell counts by time, why it ended."""
+    """All that one batch leaves.
+
+    Attributes
+    ----------
+    moments : list of dict
+        Moments at each time that the batch reached.
+    counts : dict of ndarray
+        Particles in each cell, by time.
+    reason : str
+        Why the batch ended early; "" where it did not.
+    """
 
     moments: list[dict[str, Any]]
     counts: dict[float, np.ndarray]
@@ -38,29 +48,34 @@ def simulate_particles(
     save_every: int | None = None,
     progress: bool | None = None,
 ) -> xr.Dataset:
-    """Simulate a scene by particles and record its moments at any increasing times.
+    """Simulate a scene by particles, and record its moments at any increasing times.
 
     Parameters
     ----------
+    scene : Scene
     solver : Solver
-        Of method ``dsmc``: its ``particles``, ``batches`` and ``seed``; N and R say the cells and the box
-        that the initial density is drawn on. The result does not depend on ``threads``.
+        Solver of method ``dsmc``, with ``particles``, ``batches`` and ``seed``. N and R give the cells and
+        the box that velocities are drawn on. The result does not depend on ``threads``.
     times : array_like, shape (n,)
-        Increasing, from 0 on; as far apart as one likes, there is no step but with heating.
+        Times of the records, increasing from 0 or later. Any distance will do: collisions have no time step,
+        and heating chooses its own.
     save_every : int, optional
-        Keep the density, counted in the grid's cells, at every so many of them, the first and the last.
+        Keep the density, counted in the cells of the grid, at every so many times, and at the first and the
+        last. Default: none is kept.
+    progress : bool, optional
+        Show a progress bar. Default: where a person watches (a terminal).
 
     Returns
     -------
     xarray.Dataset
-        As `granstudy.simulate` returns it, with a `<name>_standard_error` for each moment: the standard
-        deviation over batches divided by √batches.
+        The dataset of `granstudy.simulate`, with `<name>_standard_error` beside each moment: the standard
+        deviation over batches, divided by √batches.
 
     Raises
     ------
     ValueError
-        For a bad scene, solver or time, before any work starts; and for a run that ends before the
-        first of its times.
+        For a bad scene, solver or time, before any work starts; and for a run that ends before the first of
+        its times.
     """
     if not solver.traits.by_particles:
         raise ValueError(f"method={solver.method!r}: simulate_particles needs method 'dsmc'")
@@ -96,7 +111,7 @@ def simulate_particles(
 
 
 def _start(scene: Scene, grid: VelocityGrid) -> tuple[float, np.ndarray, np.ndarray]:
-    """ρ, u and the pressure tensor that particles begin with: those the density states, else the grid's."""
+    """ρ, u and pressure tensor at the start: as the density states them, else by the grid's sums."""
     if scene.moments is not None:
         return scene.moments.density, scene.moments.velocity, scene.moments.pressure
     start = grid.velocity_moments(scene.density(grid))
@@ -104,6 +119,7 @@ def _start(scene: Scene, grid: VelocityGrid) -> tuple[float, np.ndarray, np.ndar
 
 
 def _checked_times(times: Sequence[float] | np.ndarray) -> np.ndarray:
+    """The times as an array; ValueError unless they are finite, at least 0, and increase."""
     checked = np.asarray(times, dtype=float)
     increasing = checked.ndim == 1 and checked.size > 0 and bool(np.all(np.diff(checked) > 0.0))
     if not (increasing and checked[0] >= 0.0 and np.isfinite(checked[-1])):
@@ -124,22 +140,9 @@ def _dataset(
     times: np.ndarray,
     records: list[BatchRecord],
 ) -> xr.Dataset:
-    """The batches together, up to the time that all of them reached."""
-    count = min(len(record.moments) for record in records)
-    reason = next((r.reason for r in records if r.reason and len(r.moments) == count), "")
-    by_batch = {
-        name: np.array([[values[name] for values in r.moments[:count]] for r in records])
-        for name in records[0].moments[0]
-    }
-    at_rest = np.flatnonzero(by_batch["temperature"].min(axis=0) < LEAST_TEMPERATURE)
-    if at_rest.size:
-        count = int(at_rest[0])
-        reason = f"the temperature fell below {LEAST_TEMPERATURE:g}: the gas is at rest"
-    if reason:
-        reason = f"t = {times[count]:g}: {reason}"
-        if count == 0:
-            raise ValueError(f"{reason}; nothing was recorded before")
-    reached = times[:count]
+    """Dataset of all batches together, up to the time that all of them reached."""
+    by_batch, reason = _common_moments(times, records)
+    reached = times[: by_batch["temperature"].shape[1]]
     assert solver.particles is not None
     per_particle = gas.density / (solver.particles * grid.cell)
     snapshots = {
@@ -147,19 +150,54 @@ def _dataset(
         for time in records[0].counts
         if time in reached
     }
-    by_batch = {name: values[:, :count] for name, values in by_batch.items()}
     bias = expected_bias(scene.dim, solver)
     warnings = bias_warning(by_batch["a2"][:, reached > 0.0], bias)
     ending = Ending(Status.DIVERGED if reason else Status.OK, reason, warnings)
-    health = state_of_health(by_batch["temperature"], by_batch["a2"], bias)
+    health = batch_health(by_batch["temperature"], by_batch["a2"], bias)
     header = Header("particles", scene, solver)
     return particle_dataset(header, grid, reached, by_batch, snapshots, health, ending)
 
 
-def state_of_health(T: np.ndarray, a2: np.ndarray, bias: float) -> list[dict[str, float]]:
-    """What each record says of its errors, by the names of `granstudy.trust.health.SIGNS`.
+def _common_moments(
+    times: np.ndarray, records: list[BatchRecord]
+) -> tuple[dict[str, np.ndarray], str]:
+    """Moments in every batch, shape (batches, times, ...), up to the last time that all reached.
 
-    Of many batches, two standard errors are exceeded about one time in twenty.
+    Also returned is the reason of an early end, "" where there is none. A gas at rest counts as an end.
+
+    Raises
+    ------
+    ValueError
+        If the end comes before the first time.
+    """
+    count = min(len(record.moments) for record in records)
+    reason = next((r.reason for r in records if r.reason and len(r.moments) == count), "")
+    by_batch = {
+        name: np.array([[values[name] for values in r.moments[:count]] for r in records])
+        for name in (records[0].moments[0] if count else ())
+    }
+    if count:
+        at_rest = np.flatnonzero(by_batch["temperature"].min(axis=0) < LEAST_TEMPERATURE)
+        if at_rest.size:
+            count = int(at_rest[0])
+            reason = f"the temperature fell below {LEAST_TEMPERATURE:g}: the gas is at rest"
+    if reason:
+        reason = f"t = {times[count]:g}: {reason}"
+    if count == 0:
+        raise ValueError(f"{reason}; nothing was recorded before")
+    return {name: values[:, :count] for name, values in by_batch.items()}, reason
+
+
+def batch_health(T: np.ndarray, a2: np.ndarray, bias: float) -> list[dict[str, float]]:
+    """Signs of health at each time, by the names of `granstudy.trust.health.SIGNS`.
+
+    With many batches, an error exceeds two standard errors about one time in twenty.
+
+    Parameters
+    ----------
+    T, a2 : ndarray, shape (batches, times)
+    bias : float
+        Expected bias of a2.
     """
     T_noise = 2.0 * standard_error(T) / T.mean(axis=0)
     a2_noise = 2.0 * standard_error(a2)
@@ -170,13 +208,13 @@ def state_of_health(T: np.ndarray, a2: np.ndarray, bias: float) -> list[dict[str
 
 
 def expected_bias(dim: int, solver: Solver) -> float:
-    """The size of a2's bias, 2/(dn), n the particles of a batch (docs/particles.md §3)."""
+    """Expected size of the bias of a2: 2/(dn), n the particles of a batch (docs/particles.md §3)."""
     assert solver.particles is not None
     return 2.0 * solver.batches / (dim * solver.particles)
 
 
 def bias_warning(a2: np.ndarray, bias: float) -> list[str]:
-    """A warning where the bias of a2 shows above its error."""
+    """A warning where the bias of a2 is above its standard error."""
     error = standard_error(a2)
     if not np.any(error < bias):
         return []

@@ -1,1 +1,1 @@
-"""States."""
+"""Cooling and heated states, solved for directly."""

@@ -9,7 +9,6 @@ from granstudy import theory
 from granstudy.datasets.run_dataset import (
     Ending,
     Header,
-    labelled,
     on_scaled_velocities,
     stamped,
 )
@@ -17,23 +16,27 @@ from granstudy.model.scene import Scene
 from granstudy.states.equation import Gas, SteadyEquation
 from granstudy.states.newton import Solution
 from granstudy.states.tail import tail_slope
+from granstudy.support.variables import labelled
 from granstudy.trust.flags import Status
-from granstudy.trust.health import HEALTH_NAMES, trust_variable, verdict
-from granstudy.velocity.moments import COMPONENTS, DIMENSIONS
+from granstudy.trust.health import sign_variables, trust_variable, verdict
+from granstudy.velocity.moments import COMPONENTS, Quantity
 from granstudy.velocity.space import VelocitySpace
 
-LONG_NAMES = {
-    "density": "density ρ",
-    "velocity": "bulk velocity u",
-    "temperature": "temperature T",
-    "a2": "kurtosis excess a2",
-    "a3": "sixth-order Sonine coefficient a3 = 1 + 3a2 − ⟨|v−u|⁶⟩/(d(d+2)(d+4)T³)",
-    "cooling_rate": "rate −T'/T of the cooling by collisions",
-    "cooling_coefficient": "K of the cooling by collisions, T' = −ρK T^{1+λ/2}",
-    "velocity_scale": "velocity scale θ, v = u + θc",
-    "mass_loss": "rate at which mass leaves the grid, over s: what is put back in the shape of g",
-    "minimum": "smallest value of the density on the grid",
+QUANTITIES = {
+    "density": Quantity("density ρ"),
+    "velocity": Quantity("bulk velocity u", ("component",)),
+    "temperature": Quantity("temperature T"),
+    "a2": Quantity("kurtosis excess a2"),
+    "a3": Quantity("sixth-order Sonine coefficient a3 = 1 + 3a2 − ⟨|v−u|⁶⟩/(d(d+2)(d+4)T³)"),
+    "cooling_rate": Quantity("rate −T'/T of the cooling by collisions"),
+    "cooling_coefficient": Quantity("K of the cooling by collisions, T' = −ρK T^{1+λ/2}"),
+    "velocity_scale": Quantity("velocity scale θ, v = u + θc"),
+    "mass_loss": Quantity(
+        "rate at which mass leaves the grid, over s: what is put back in the shape of g"
+    ),
+    "minimum": Quantity("smallest value of the density on the grid"),
 }
+"""The numbers of a state, and their long names."""
 
 
 def state_dataset(
@@ -44,31 +47,33 @@ def state_dataset(
     health: dict[str, float],
     heated: bool,
 ) -> xr.Dataset:
-    """Dataset of a state that was solved for, with a run's coordinates, health and attributes.
+    """Dataset of a state, with coordinates, health and attributes as of a run.
 
     Parameters
     ----------
     header : Header
-    gas, equation, found
-        What was asked for, the equation, and the last iterate.
+    gas : Gas
+        Density, bulk velocity and temperature asked for.
+    equation : SteadyEquation
+    found : Solution
+        The last iterate, and how it was found.
     health : dict
-        What was measured of it, by the names of `granstudy.trust.health.HEALTH_NAMES`.
+        Signs of health, by the names of `granstudy.trust.health.SIGNS`.
+    heated : bool
+        Whether the state is the heated one.
     """
     grid, exponent = equation.grid, header.scene.kernel.exponent
     g, _, _ = equation.split(found.x)
     values = state_values(header.scene, gas, equation, found, heated)
-    reason = found.reason
-    if not reason and values["cooling_rate"] <= 0.0:
-        rate = values["cooling_rate"]  # θ is 1 here
-        reason = f"the density found is heated by collisions, −T'/T = {rate:.3g}"
+    reason = found.reason or _heated_by_collisions(values["cooling_rate"])
     held = xr.Dataset(
         {"g": labelled(g, "density g = θ^d f over c = (v−u)/θ", grid.axes)},
         coords=grid.coordinates(),
     )
     ds = on_scaled_velocities(held, grid.axes).assign(
         {
-            name: labelled(values[name], long_name, DIMENSIONS.get(name, ()))
-            for name, long_name in LONG_NAMES.items()
+            name: labelled(values[name], quantity.long_name, quantity.dimensions)
+            for name, quantity in QUANTITIES.items()
         }
     )
     ds = ds.assign_coords(component=list(COMPONENTS[: grid.dim]))
@@ -79,12 +84,7 @@ def state_dataset(
         "iteration",
     )
     ds = ds.assign_coords(iteration=np.arange(len(found.sizes)))
-    measured = {
-        variable: labelled(health[name], long_name)
-        for name, (variable, long_name) in HEALTH_NAMES.items()
-        if name in health
-    }
-    ds = ds.assign(measured | trust_variable([health], reason))
+    ds = ds.assign(sign_variables(health) | trust_variable([health], reason))
     _, warnings = verdict([health], "")
     status = Status.FAILED if reason else Status.OK
     return stamped(ds, header, Ending(status, reason, warnings))
@@ -93,10 +93,10 @@ def state_dataset(
 def state_values(
     scene: Scene, gas: Gas, equation: SteadyEquation, found: Solution, heated: bool
 ) -> dict[str, Any]:
-    """The numbers of a state, by the names of `LONG_NAMES`."""
+    """The numbers of a state, by the names of `QUANTITIES`."""
     exponent = scene.kernel.exponent
     g, s, m = equation.split(found.x)
-    # T_Q = 2sT_g balances ∇c·(c g), T_Q = −2s balances Δg: collisions cool where s < 0, s > 0.
+    # T_Q = 2sT_g balances s∇c·(c g): collisions cool at s < 0. T_Q = −2s balances sΔg: they cool at s > 0.
     cooling_rate = 2.0 * s / gas.temperature if heated else -2.0 * s
     theta = float((scene.diffusion / s) ** (1.0 / (2.0 + exponent))) if heated and s > 0.0 else 1.0
     a2, a3 = theory.sonine_coefficients(_even_moments(g, equation.grid))
@@ -114,10 +114,17 @@ def state_values(
     }
 
 
+def _heated_by_collisions(cooling_rate: float) -> str:
+    """Why a solution of the equation is no state; "" where it is one."""
+    if cooling_rate <= 0.0:
+        return f"the density found is heated by collisions, −T'/T = {cooling_rate:.3g}"
+    return ""
+
+
 def _with_tail(
     ds: xr.Dataset, g: np.ndarray, grid: VelocitySpace, temperature: float, power: float
 ) -> xr.Dataset:
-    """Add the local slope of −ln g against c^power, against ln c where the power is 0."""
+    """The dataset with local slopes of −ln g against c^power; against ln c where the power is 0."""
     tail = tail_slope(g, grid, temperature, power)
     against = "ln c" if power == 0.0 else f"c^{power:g}"
     ds["tail_slope"] = labelled(
@@ -131,7 +138,7 @@ def _with_tail(
 
 
 def _even_moments(g: np.ndarray, grid: VelocitySpace) -> np.ndarray:
-    """⟨|c|^{2n}⟩ over their value for a Gaussian of the same temperature, n = 0..3."""
+    """⟨|c|^{2n}⟩ for n = 0 to 3, over their values for a Gaussian of the same temperature."""
     d = grid.dim
     c2 = np.broadcast_to(np.asarray(sum(np.square(v) for v in grid.velocities())), grid.shape)
     M = np.array([np.sum(c2**n * g * grid.measure) for n in range(4)])

@@ -1,4 +1,4 @@
-"""Newton's method with an exact derivative, its steps by elimination or by GMRES."""
+"""Newton's method with an exact derivative; its steps are solved for by elimination or by GMRES."""
 
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
@@ -7,16 +7,16 @@ import numpy as np
 from scipy.sparse.linalg import LinearOperator, gmres
 
 DENSE = 256
-"""Unknowns up to which the derivative is written out as a matrix: radial grids, not Cartesian ones."""
+"""Largest number of unknowns for which the derivative is written out as a matrix: that of radial grids."""
 
 FORCING = 1e-2
-"""Part of a residual that GMRES leaves: each step gains two digits; more would be thrown away by the next."""
+"""Part of the residual that GMRES leaves. A step so gains two digits; the next step would not use more."""
 
 KRYLOV = 80
 """Vectors of GMRES before a restart."""
 
 RESTARTS = 4
-"""GMRES stops after so many restarts; the step is then a poorer one, which the residual shows."""
+"""Largest number of restarts of GMRES. A step that needs more is a poor one; the residual shows it."""
 
 
 class Equations(Protocol):
@@ -26,28 +26,37 @@ class Equations(Protocol):
         """F(x), as long as x."""
 
     def derivative(self, x: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-        """Map h to F'(x) h."""
+        """h ↦ F'(x) h."""
 
     def size(self, residual: np.ndarray, x: np.ndarray) -> float:
-        """How far F(x) is from 0, relative to its terms."""
+        """Size of F(x) relative to its terms, 0 for a solution."""
 
 
 class Solution(NamedTuple):
-    """Where Newton's method ended."""
+    """The end of Newton's method."""
 
     x: np.ndarray
-    """The last one with a finite residual"""
+    """The last iterate with a finite residual."""
     sizes: list[float]
     """Size of the residual at the start and after every step."""
     reason: str
-    """Why it is no solution; empty where it is one."""
+    """Why x is no solution; "" where it is one."""
 
 
 def newton(equations: Equations, x: np.ndarray, tolerance: float, max_iterations: int) -> Solution:
-    """Solve F(x) = 0 from ``x`` by x − F'(x)^{−1} F(x), to a residual of size ``tolerance``.
+    """Solve F(x) = 0 by the steps x − F'(x)^{−1} F(x), until the residual has the size ``tolerance``.
 
-    Up to `DENSE` unknowns the steps are exact and the residual falls quadratically; beyond, GMRES with the
-    derivative's action finds them to `FORCING`.
+    Up to `DENSE` unknowns, steps are exact and the residual falls quadratically. Beyond, GMRES finds each
+    step to `FORCING`, by the action of the derivative.
+
+    Parameters
+    ----------
+    equations : Equations
+    x : ndarray
+        The first iterate.
+    tolerance : float
+    max_iterations : int
+        Largest number of steps.
     """
     F = equations.residual(x)
     sizes = [equations.size(F, x)]
@@ -65,7 +74,7 @@ def newton(equations: Equations, x: np.ndarray, tolerance: float, max_iterations
 
 
 def _step(derivative: Callable[[np.ndarray], np.ndarray], F: np.ndarray) -> np.ndarray:
-    """F'^{−1} F, or nearly."""
+    """F'^{−1} F, exact or to `FORCING`."""
     n = F.size
     if n <= DENSE:
         return np.linalg.solve(np.column_stack([derivative(h) for h in np.eye(n)]), F)

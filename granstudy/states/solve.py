@@ -1,4 +1,4 @@
-"""The states that granular gases approach, solved for directly: cooling, and heated (docs/states.md)."""
+"""The states that granular gases approach, cooling and heated, solved for directly (docs/states.md)."""
 
 import numpy as np
 import xarray as xr
@@ -12,7 +12,6 @@ from granstudy.model.solver import SizedSolver, Solver
 from granstudy.states.dataset import state_dataset
 from granstudy.states.equation import SteadyEquation, gas_of
 from granstudy.states.newton import DENSE, Solution, newton
-from granstudy.theory.checks import check_restitution
 from granstudy.trust.error_estimate import SLOWEST, imbalance
 from granstudy.trust.health import state_of_health
 from granstudy.trust.pair_rates import CollisionRates
@@ -22,41 +21,48 @@ STEPS = 4
 """Steps of Newton's method, about."""
 
 VECTORS = 40
-"""Vectors of GMRES in such a step, about: each takes two evaluations of Q."""
+"""Vectors of GMRES in a step of Newton's method, about; each takes two evaluations of Q."""
 
 
 def cooling_state(
     scene: Scene, solver: Solver, *, tolerance: float = 1e-9, max_iterations: int = 20
 ) -> xr.Dataset:
-    """The homogeneous cooling state: f = θ^{−d} g((v−u)/θ) with a g that stays as it is.
+    """Solve for the homogeneous cooling state: f = θ^{−d} g((v−u)/θ), with a g that stays as it is.
 
-    It solves Q(g,g) + (θ'/θ) ∇c·(c g) = 0 at the density, bulk velocity and temperature that the scene's
-    initial density has on the grid; that temperature alone decides how much of g the grid holds. θ = 1.
+    The equation is Q(g,g) + (θ'/θ) ∇c·(c g) = 0, at θ = 1. The scene gives density, bulk velocity and
+    temperature, as its initial density has them on the grid. The temperature sets how far the grid reaches
+    in thermal speeds.
 
     Parameters
     ----------
     scene : Scene
-        With a constant e < 1 and ε = 0.
+        A scene with constant e < 1 and ε = 0.
     solver : Solver
-        Of any method; where ``method="auto"``, `radial` is taken, as the state is isotropic. No ``rtol`` but
-        with these two.
+        Any method but `dsmc`, with N and R given. As the state is isotropic, `auto` takes `radial`; only
+        these two may have an ``rtol``.
     tolerance : float
-        Largest residual over the largest value of (θ'/θ)∇c·(c g).
+        Largest residual, over the largest value of (θ'/θ) ∇c·(c g).
     max_iterations : int
-        Steps of Newton's method after which to give up.
+        Largest number of steps of Newton's method.
 
     Returns
     -------
     xarray.Dataset
-        `g` over the scaled velocities; `temperature`, `a2`, `a3`, `cooling_rate` and others; `tail_slope`
-        over ``tail_speed`` = |v−u|/√T: of −ln f against c^λ, against ln c where λ = 0; `residual` over
-        ``iteration``; `status`, failed with the reason where none was found: the last iterate is then
-        given as it is. `trust` and its reasons, and attributes, as those of a run.
+        Parameters, status, trust and attributes are those of a run (`granstudy.simulate`). A state that was
+        not found has the status failed, with the reason; the last iterate is then given as it is.
+
+        =============================================  =========================================
+        `g`                                            density over the scaled velocities
+        `temperature`, `a2`, `a3`                      T, kurtosis excess, Sonine coefficient a3
+        `cooling_rate`, `cooling_coefficient`          −T'/T; K of T' = −ρK T^{1+λ/2}
+        `tail_slope` over ``tail_speed`` = |v−u|/√T    −d ln f/d c^λ; at λ = 0, −d ln f/d ln c
+        `residual` over ``iteration``                  how Newton's method converged
+        =============================================  =========================================
 
     Raises
     ------
     ValueError
-        For a scene that has no such state, or a solver that cannot find it, before any work starts.
+        For a scene without such a state, or a solver that cannot find it, before any work starts.
     """
     return _state(scene, solver, False, tolerance, max_iterations)
 
@@ -64,24 +70,28 @@ def cooling_state(
 def heated_state(
     scene: Scene, solver: Solver, *, tolerance: float = 1e-9, max_iterations: int = 20
 ) -> xr.Dataset:
-    """The steady state of a gas heated by diffusion, Q(f,f) + εΔf = 0.
+    """Solve for the steady state of a gas heated by diffusion, Q(f,f) + εΔf = 0.
 
-    f = θ^{−d} g((v−u)/θ), where Q(g,g) + sΔg = 0 at the temperature T_g of the scene's initial density on
-    the grid and θ^{2+λ} = ε/s; so T = θ²T_g comes out, and the grid holds the state whatever ε.
+    The equation is Q(g,g) + sΔg = 0 for f = θ^{−d} g((v−u)/θ), at the temperature T_g of the scene's initial
+    density on the grid. Then θ^{2+λ} = ε/s and T = θ²T_g, so that the grid holds the state at any ε.
 
-    Parameters, what is returned and raised are those of `cooling_state`, but that ε must be above 0, and
-    `tail_slope` is that of −ln f against c^{1+λ/2}.
+    Parameters, returned dataset and errors are those of `cooling_state`, with two differences: ε must be
+    above 0, and `tail_slope` is −d ln f/d c^{1+λ/2}.
     """
     return _state(scene, solver, True, tolerance, max_iterations)
 
 
 FIND = {"cooling": cooling_state, "heated": heated_state}
-"""What finds a state, by its name in study files."""
+"""The function that finds a state, by the state's name in study files."""
 
 
 def check_state(scene: Scene, solver: Solver, heated: bool) -> None:
-    """Raise ValueError for a scene that has no such state, or a solver that cannot find it."""
-    check_restitution(scene.restitution)  # type: ignore[arg-type]
+    """Raise ValueError for a scene without a cooling or heated state, or a solver that cannot find it."""
+    if callable(scene.restitution):
+        raise ValueError(
+            f"restitution={scene.restitution!r}: must be a number between 0 and 1, not a law of the "
+            "impact speed"
+        )
     if scene.restitution == 1.0:
         raise ValueError("restitution=1.0: must be below 1, as elastic collisions take no energy")
     if heated and scene.diffusion == 0.0:
@@ -97,13 +107,13 @@ def check_state(scene: Scene, solver: Solver, heated: bool) -> None:
 
 
 def gaussian_scene(scene: Scene, temperature: float = 1.0) -> Scene:
-    """What a state's operator is planned for: an isotropic gas at u = 0, with all its symmetry."""
+    """The scene that the operator of a state is made for: a Maxwellian gas at u = 0, with full symmetry."""
     gaussian = Maxwellian(scene.dim, temperature)
     return Scene(scene.dim, gaussian, scene.kernel, scene.restitution, scene.diffusion)
 
 
 def state_evaluations(solver: SizedSolver) -> int:
-    """Evaluations of Q that finding a state takes, within a factor 3 (docs/states.md §2)."""
+    """Evaluations of Q for finding a state, within a factor 3 (docs/states.md §2)."""
     if solver.traits.radial and solver.N + 2 <= DENSE:
         return 2 * STEPS * (solver.N + 2)
     return 2 * STEPS * VECTORS
@@ -112,6 +122,7 @@ def state_evaluations(solver: SizedSolver) -> int:
 def _state(
     scene: Scene, solver: Solver, heated: bool, tolerance: float, max_iterations: int
 ) -> xr.Dataset:
+    """Solve for the heated, or the cooling state."""
     check_state(scene, solver, heated)
     _check_settings(tolerance, max_iterations)
     gas = gas_of(scene, solver)
@@ -124,7 +135,7 @@ def _state(
         representation(operator, gaussian.symmetry).symmetrise, gas.density, gas.temperature,
     )  # fmt: skip
     start = equation.start(gas.density * gaussian.density(grid))
-    # Overflow and NaN of iterates that run away are looked for by `newton`.
+    # `newton` looks for overflow and NaN of iterates that run away.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         found = newton(equation, start, tolerance, max_iterations)
     examined = _health(gaussian, equation, found, heated)
@@ -133,7 +144,10 @@ def _state(
 
 
 def _check_solver(solver: Solver) -> None:
-    """A tolerance is met for the density that the quadrature is planned with: not that of the state."""
+    """Raise ValueError for a solver that cannot find a state.
+
+    A tolerance is met for the density that the quadrature is planned with, not for the state.
+    """
     if solver.traits.by_particles:
         raise ValueError(
             f"method={solver.method!r}: particles have no equation to solve; take another method"
@@ -147,6 +161,7 @@ def _check_solver(solver: Solver) -> None:
 
 
 def _check_settings(tolerance: object, max_iterations: object) -> None:
+    """Raise ValueError for a bad tolerance or number of steps."""
     if not isinstance(tolerance, (int, float)) or not 0.0 < tolerance < 1.0:
         raise ValueError(f"tolerance={tolerance!r}: must be a number between 0 and 1")
     if not isinstance(max_iterations, int) or max_iterations < 1:
@@ -156,10 +171,10 @@ def _check_settings(tolerance: object, max_iterations: object) -> None:
 def _health(
     scene: Scene, equation: SteadyEquation, found: Solution, heated: bool
 ) -> dict[str, float]:
-    """Signs of a density that the grid cannot hold, and what T and a2 may be off by.
+    """Signs of a density that the grid cannot hold, and estimated errors of T and a2.
 
-    Q of g does not change energy and fourth moment as all pairs of g would. What a steady state is off by
-    is that rate over the one at which it is forgotten (docs/method.md §10).
+    Energy and fourth moment change by Q at other rates than by all pairs of g. The error of a steady state
+    is the difference of these rates, over the rate at which errors decay (docs/method.md §10).
     """
     grid, exponent = equation.grid, scene.kernel.exponent
     g, _, _ = equation.split(found.x)

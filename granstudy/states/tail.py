@@ -1,4 +1,4 @@
-"""How fast the tail of a state falls, as far as the grid shows it (docs/states.md §3)."""
+"""The tail of a state: how fast it falls, as far out as the grid resolves it (docs/states.md §3)."""
 
 from typing import NamedTuple
 
@@ -7,31 +7,35 @@ import numpy as np
 from granstudy.velocity.space import VelocitySpace
 
 ABOVE_FLOOR = 1000.0
-"""A density is taken as resolved where it is so many times the error that the grid is seen to make."""
+"""A density counts as resolved where it is so many times the error that the grid shows."""
 
 
 class TailSlope(NamedTuple):
     """Local slopes of −ln f."""
 
     speeds: np.ndarray
-    """Speeds c in units of √T, midway between nodes"""
+    """Speeds c in units of √T, midway between nodes."""
     slopes: np.ndarray
-    """−d ln f / d c^q, or −d ln f / d ln c where q = 0"""
+    """−d ln f/d c^q; −d ln f/d ln c where q = 0."""
     floor: float
-    """Density below which the slope is left out"""
+    """Density below which slopes are left out."""
 
 
 def tail_slope(g: np.ndarray, grid: VelocitySpace, temperature: float, power: float) -> TailSlope:
-    """−d ln g/d c^q between neighbouring nodes, out to where g first falls to the floor of its errors.
+    """Slopes −d ln g/d c^q between neighbouring nodes, out to where g first falls to its floor.
 
-    No density is negative, and none ends at the grid's border: −min g and |g| at the border are errors. The
-    floor is `ABOVE_FLOOR` times the larger one. On a Cartesian grid the nodes are those nearest to the
-    positive half of the first axis, on a radial one all.
+    The floor is `ABOVE_FLOOR` times the largest of three errors: −min g, |g| at the grid's border, and the
+    round-off of max g. The nodes are all nodes of a radial grid; on a Cartesian grid, those nearest to the
+    positive half of the first axis.
 
     Parameters
     ----------
+    g : ndarray, shape grid.shape
+    grid : VelocitySpace
+    temperature : float
+        T of g, the unit of the speeds squared.
     power : float
-        q ≥ 0; 0 stands for the exponent of a power law.
+        q ≥ 0. For q = 0 the slope is taken against ln c, and is the exponent of a power law.
     """
     speeds, values = _profile(g, grid)
     round_off = np.finfo(float).eps * float(g.max())
@@ -44,7 +48,7 @@ def tail_slope(g: np.ndarray, grid: VelocitySpace, temperature: float, power: fl
 
 
 def _profile(g: np.ndarray, grid: VelocitySpace) -> tuple[np.ndarray, np.ndarray]:
-    """Increasing speeds, and the density there."""
+    """Increasing speeds, and g at these speeds."""
     speeds = np.sqrt(np.broadcast_to(sum(np.square(v) for v in grid.velocities()), grid.shape))
     if len(grid.shape) == 1:
         return speeds, g

@@ -1,12 +1,19 @@
-"""Checks of numbers that several rooms make: each raises a ValueError that names field, value and allowed."""
+"""Checks of numbers: each raises a ValueError that names field, value and allowed."""
+
+import math
+from typing import TypeGuard
 
 import numpy as np
 
 
+def is_real(value: object) -> TypeGuard[float]:
+    """Whether ``value`` is one real number of Python or NumPy; True and False are none."""
+    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+
+
 def check_positive(field: str, value: object) -> None:
     """Raise ValueError unless ``value`` is a finite number above 0."""
-    is_number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
-    if not (is_number and np.isfinite(value) and value > 0):  # type: ignore[call-overload, operator]
+    if not (is_real(value) and 0.0 < value < math.inf):
         raise ValueError(f"{field}={value!r}: must be a positive number")
 
 

@@ -7,10 +7,19 @@ from pathlib import Path
 from typing import Any
 
 TEMPORARY_PREFIX = ".partial-"
+"""Start of the name of a file that is not yet whole; a killed process leaves such a file behind."""
 
 
 def write_whole(path: Path, write: Callable[..., Any]) -> None:
-    """Call ``write`` on a temporary file beside ``path``, synchronise it and rename it to ``path``."""
+    """Write a file so that ``path`` holds either what it held before or all that is new.
+
+    Parameters
+    ----------
+    path : Path
+        Folders above it are made where they are missing.
+    write : callable
+        Called with the path of a temporary file beside ``path``, which is then synchronised and renamed.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(prefix=TEMPORARY_PREFIX, suffix=path.suffix, dir=path.parent)
     os.close(handle)

@@ -1,8 +1,8 @@
 """Fingerprint of the code that a run depends on.
 
-Snakemake does not see edits in an imported package. A hash over the syntax trees of the modules a run
-imports, docstrings blanked, put into a rule's params, makes an edit of the solver rerun exactly the runs
-it affects, while comments, docstrings and plotting rerun nothing.
+Snakemake does not see edits in an imported package. So each run has a fingerprint among the parameters of
+its rule: a hash over the syntax trees, without docstrings, of all modules that the run imports. An edit of
+the solver then reruns exactly the runs that it affects. Comments, docstrings and plotting rerun nothing.
 """
 
 import ast
@@ -12,18 +12,29 @@ from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
+"""Folder of the package whose modules are hashed."""
 
 FORK_NAME = "FORK"
-"""Name that a module defines to say that it is a fork.
+"""Name of the constant that marks a module as a fork.
 
-A fork only chooses between other modules, or says what can be chosen. It is neither followed nor hashed:
-whoever asks for a fingerprint names the branch that is taken. So a new method, a row in such a module,
-changes no run.
-"""
+A fork only chooses between other modules, or lists what can be chosen. No fingerprint follows or hashes a
+fork: whoever asks for a fingerprint names the branch that is taken. So a new method, a row in a fork, changes
+no run."""
 
 
 def fingerprint(modules: Iterable[str]) -> str:
-    """Hash over the syntax trees of ``modules`` and of the package's modules that they import."""
+    """Hash over the syntax trees of ``modules`` and of all that they import of the package.
+
+    Parameters
+    ----------
+    modules : iterable of str
+        Dotted names.
+
+    Returns
+    -------
+    str
+        16 hexadecimal digits.
+    """
     found: set[str] = set()
     waiting = list(modules)
     while waiting:
@@ -41,7 +52,7 @@ def fingerprint(modules: Iterable[str]) -> str:
 
 @cache
 def imported_modules(module: str) -> tuple[str, ...]:
-    """Modules of the package that ``module`` imports."""
+    """Modules of the package that ``module`` itself imports, by dotted name."""
     found = []
     for node in ast.walk(ast.parse(_source(module).read_text())):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("granstudy"):
@@ -56,7 +67,7 @@ def imported_modules(module: str) -> tuple[str, ...]:
 
 @cache
 def is_fork(module: str) -> bool:
-    """Whether a module says that it only chooses between others."""
+    """Whether a module is marked as a fork, by `FORK_NAME`."""
     return any(
         isinstance(node, ast.Assign)
         and FORK_NAME in [getattr(name, "id", "") for name in node.targets]
@@ -66,7 +77,7 @@ def is_fork(module: str) -> bool:
 
 @cache
 def _tree(module: str) -> str:
-    """Syntax tree of a module without its docstrings, those below its constants included."""
+    """Syntax tree of a module as text, without docstrings; those below constants count as docstrings."""
     tree = ast.parse(_source(module).read_text())
     for node in ast.walk(tree):
         if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)):
@@ -75,6 +86,7 @@ def _tree(module: str) -> str:
 
 
 def _is_text(node: ast.stmt) -> bool:
+    """Whether a statement is a string and nothing else."""
     return (
         isinstance(node, ast.Expr)
         and isinstance(node.value, ast.Constant)
@@ -83,12 +95,13 @@ def _is_text(node: ast.stmt) -> bool:
 
 
 def _data(module: str) -> list[Path]:
-    """Files in the folder ``data`` beside a module called ``.._data``: what it reads counts as its code."""
+    """Data files that count as a module's code: the folder ``data`` beside a module called ``.._data``."""
     folder = _source(module).parent / "data"
     return sorted(folder.iterdir()) if module.endswith("_data") and folder.is_dir() else []
 
 
 def _source(module: str) -> Path:
+    """File of a module; of a package, its ``__init__.py``."""
     path = PACKAGE.joinpath(*module.split(".")[1:])
     return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
 

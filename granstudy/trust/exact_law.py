@@ -7,11 +7,16 @@ import xarray as xr
 
 from granstudy import theory
 from granstudy.model.scene import Scene
+from granstudy.support.variables import labelled
 from granstudy.velocity.sphere import sphere_area
 
 
 def add_exact_law(ds: xr.Dataset, scene: Scene) -> None:
-    """Add the exact temperature law and the distances from it where one is known."""
+    """Add exact laws of T, and distances from them, to a run's dataset; nothing where no law is known.
+
+    Each law starts from the discrete initial value. The law of `temperature` has the run's initial density,
+    the law of `paper_temperature` unit density, as the paper has it.
+    """
     if scene.kernel.exponent != 0.0 or callable(scene.restitution):
         return
     law: dict[str, Any] = {
@@ -24,14 +29,16 @@ def add_exact_law(ds: xr.Dataset, scene: Scene) -> None:
     for name, density in (("temperature", density0), ("paper_temperature", 1.0)):
         exact = theory.maxwell_temperature(T0=float(ds[name][0]), density=density, **law)
         long_name = f"exact law of {name} from its discrete initial value"
-        ds[f"{name}_exact"] = ("time", exact, {"long_name": long_name, "units": "1"})
+        ds[f"{name}_exact"] = labelled(exact, long_name, "time")
         error = np.abs(ds[name].values - exact)
-        long_name = f"|{name} − {name}_exact|"
-        ds[f"{name}_error"] = ("time", error, {"long_name": long_name, "units": "1"})
+        ds[f"{name}_error"] = labelled(error, f"|{name} − {name}_exact|", "time")
 
 
 def check_maxwell_law(scene: Scene) -> None:
-    """Raise ValueError unless T and a2 of the scene are known exactly."""
+    """Raise ValueError unless T and a2 of the scene are known exactly.
+
+    Known are those of Maxwell molecules, at constant restitution, from a density that states its moments.
+    """
     if scene.kernel.exponent != 0.0:
         raise ValueError(
             f"truth.law='maxwell': holds at exponent 0, not at {scene.kernel.exponent!r}; give a solver"

@@ -1,9 +1,9 @@
-"""Whether a run can be trusted: what is measured while it runs, and the label that comes of it.
+"""The health of a run: what is measured at every output, and the label that follows.
 
-Of particles that is what their batches differ by. On a grid, collisions change energy and fourth moment at
-rates that all pairs of a density give without truncation, modes or directions
-(`granstudy.trust.pair_rates`). What Q's own moments differ by, over time, is what T and a2 are off by
-(docs/method.md §10). Beside it stand the signs of a density that its grid cannot hold.
+On a grid, the exact rates of energy and fourth moment are sums over all pairs of a density
+(`granstudy.trust.pair_rates`). The difference between those rates and the moments of Q, integrated over
+time, estimates the errors of T and a2 (docs/method.md §10). Further signs show a density that its grid
+cannot hold. For particles, the spread of their batches gives the errors.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,32 +11,71 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from granstudy.trust.flags import Trust
+from granstudy.support.variables import Variable, labelled
+from granstudy.trust.flags import Trust, flag_variable
 from granstudy.velocity.space import VelocitySpace
 
 Moments = Mapping[str, Any]
 """Moments of a density by name (`granstudy.velocity.moments`)."""
 
+NOT_FINITE = "the density became NaN or infinite: take a smaller dt"
+"""Reason of a run that stopped at values which are not finite."""
+
+BALANCE_REMEDY = "take a larger N and R, more directions, a smaller dt"
+"""Remedy for estimated errors of T and a2 on a grid."""
+
 
 class Sign(NamedTuple):
-    """A quantity, above what value a run is marginal, above what untrusted, and what is said then."""
+    """One quantity that shows the health of a run.
+
+    Attributes
+    ----------
+    marginal, untrusted : float
+        Values above which a run is marginal, and untrusted.
+    text : str
+        The warning above ``marginal``: the value, and a remedy.
+    variable, long_name : str
+        The quantity as a variable of the dataset; "" where a dataset has none.
+    """
 
     marginal: float
     untrusted: float
     text: str
+    variable: str = ""
+    long_name: str = ""
 
-
-BALANCE_REMEDY = "take a larger N and R, more directions, a smaller dt"
 
 SIGNS = {
-    # of the moments of Q that do not balance those of all pairs, and of long steps
-    "temperature": Sign(2e-3, 1e-2, f"T may be off by {{:.1e}} of itself: {BALANCE_REMEDY}"),
-    "a2": Sign(4e-3, 3e-2, f"a2 may be off by {{:.1e}}: {BALANCE_REMEDY}"),
-    # of particles, by their batches (docs/particles.md §3)
-    "temperature_noise": Sign(
-        2e-3, 1e-2, "T has two standard errors of {:.1e} of itself: take more particles"
+    # from moments of Q that do not balance the rates of all pairs, and from long steps
+    "temperature": Sign(
+        2e-3,
+        1e-2,
+        f"T may be off by {{:.1e}} of itself: {BALANCE_REMEDY}",
+        "temperature_error_estimate",
+        "estimated relative error of T",
     ),
-    "a2_noise": Sign(4e-3, 3e-2, "a2 has two standard errors of {:.1e}: take more particles"),
+    "a2": Sign(
+        4e-3,
+        3e-2,
+        f"a2 may be off by {{:.1e}}: {BALANCE_REMEDY}",
+        "a2_error_estimate",
+        "estimated error of a2",
+    ),
+    # from the batches of particles (docs/particles.md §3)
+    "temperature_noise": Sign(
+        2e-3,
+        1e-2,
+        "T has two standard errors of {:.1e} of itself: take more particles",
+        "temperature_error_estimate",
+        "two standard errors of T over batches, relative",
+    ),
+    "a2_noise": Sign(
+        4e-3,
+        3e-2,
+        "a2 has two standard errors of {:.1e}: take more particles",
+        "a2_error_estimate",
+        "two standard errors of a2 over batches",
+    ),
     "a2_bias": Sign(
         4e-3,
         3e-2,
@@ -48,6 +87,8 @@ SIGNS = {
         1e-3,
         1e-2,
         "mass has drifted by {:.1e} of its start: take more directions or variant 'full'",
+        "mass_drift",
+        "|ρ/ρ(0) − 1|",
     ),
     # over the thermal speed at the time
     "momentum_drift": Sign(
@@ -55,36 +96,44 @@ SIGNS = {
         3e-2,
         "the bulk velocity has drifted by {:.1e} thermal speeds: take more directions, or "
         "conserve=('momentum',)",
+        "momentum_drift",
+        "change of the bulk velocity over the thermal speed",
     ),
-    # −min f over max f; spectral ringing of a resolved density stays under 1e-4
+    # −min f over max f; spectral ringing of a resolved density stays below 1e-4. Datasets hold min f itself.
     "negative": Sign(
         1e-3, 1e-2, "the density falls to -{:.1e} of its largest value: take a larger N"
     ),
-    # |f| over max f; what lies there wraps around
+    # |f| over max f; mass at the border wraps around
     "edge": Sign(
-        1e-4, 1e-2, "the density at the grid's border is {:.1e} of its largest: take a larger R"
+        1e-4,
+        1e-2,
+        "the density at the grid's border is {:.1e} of its largest: take a larger R",
+        "edge",
+        "largest |f| at the grid's border over max f",
     ),
-    # part of ∫f²; much of what is beyond the last wavenumber is as large
+    # part of ∫f²; about as much lies beyond the last wavenumber
     "tail": Sign(
         1e-2,
         1e-1,
         "{:.1e} of ∫f² is in the last quarter of the wavenumbers: take a larger N or a smaller R, or "
         "frame='rescaled' where the gas cools",
+        "spectral_tail",
+        "part of ∫f² in the upper quarter of the wavenumbers",
     ),
     "step_ratio": Sign(
         1.0,
         2.0,
         "the step is {:.2g} times what is stable for certain: take a smaller dt, or time_rtol in its "
         "place",
+        "step_ratio",
+        "step over the largest that is stable for certain",
     ),
 }
-"""What is measured at every output; docs/method.md §10 says against which errors."""
-
-NOT_FINITE = "the density became NaN or infinite: take a smaller dt"
+"""What is measured, by name; docs/method.md §10 gives the errors that the limits were set against."""
 
 
 def failure(values: Moments) -> str | None:
-    """Why a run with these moments has to stop, or None."""
+    """Why a run with these moments has to stop; None where it can go on."""
     if not all(np.all(np.isfinite(value)) for value in values.values()):
         return NOT_FINITE
     if values["density"] <= 0.0:
@@ -100,9 +149,15 @@ def failure(values: Moments) -> str | None:
 def state_of_health(
     f: np.ndarray, values: Moments, first: Moments, grid: VelocitySpace
 ) -> dict[str, float]:
-    """What one output says, by the names of `SIGNS`.
+    """Signs of a density that its grid cannot hold, by the names of `SIGNS`.
 
-    ``values`` and ``first`` are moments of f as the grid holds it, now and at the first output.
+    Parameters
+    ----------
+    f : ndarray, shape grid.shape
+        The density on the grid.
+    values, first : mapping
+        Moments of f, and of the density at the first output.
+    grid : VelocitySpace
     """
     largest = np.max(np.abs(f))
     thermal = np.sqrt(values["temperature"])
@@ -115,8 +170,8 @@ def state_of_health(
     }
 
 
-def warnings(output: dict[str, float]) -> dict[str, str]:
-    """What there is to say of one output, by name: the number and the remedy."""
+def warnings(output: Mapping[str, float]) -> dict[str, str]:
+    """The warnings of one output, by the names of `SIGNS`; NaN warns too."""
     return {
         name: SIGNS[name].text.format(value)
         for name, value in output.items()
@@ -124,10 +179,15 @@ def warnings(output: dict[str, float]) -> dict[str, str]:
     }
 
 
-def verdict(outputs: Sequence[dict[str, float]], stopped: str) -> tuple[Trust, list[str]]:
-    """The label of a run by the largest values that its outputs came to, and the reasons.
+def verdict(outputs: Sequence[Mapping[str, float]], stopped: str) -> tuple[Trust, list[str]]:
+    """The label of a run, by the largest value of each sign over its outputs; and the reasons.
 
-    A run that had to stop is untrusted; ``stopped`` says why.
+    Parameters
+    ----------
+    outputs : sequence of mapping
+        What was measured at each output, by the names of `SIGNS`.
+    stopped : str
+        Why the run had to stop, "" where it did not. A run that stopped is untrusted.
     """
     names = dict.fromkeys(name for output in outputs for name in output)
     worst = {name: max(output.get(name, 0.0) for output in outputs) for name in names}
@@ -137,49 +197,26 @@ def verdict(outputs: Sequence[dict[str, float]], stopped: str) -> tuple[Trust, l
     return (Trust.MARGINAL if reasons else Trust.TRUSTED), reasons
 
 
-def health_variables(outputs: Sequence[dict[str, float]], stopped: str) -> dict[str, Any]:
-    """What was measured at every output, and the label that comes of it."""
-    variables: dict[str, Any] = {
-        variable: (
-            "time",
-            [output[name] for output in outputs],
-            {"long_name": long_name, "units": "1"},
-        )
-        for name, (variable, long_name) in HEALTH_NAMES.items()
-        if outputs and name in outputs[-1]
-    }
-    return variables | trust_variable(outputs, stopped)
+def health_variables(outputs: Sequence[Mapping[str, float]], stopped: str) -> dict[str, Variable]:
+    """What was measured over ``time``, and the label; parameters as of `verdict`."""
+    names = outputs[-1] if outputs else ()
+    measured = {name: [output[name] for output in outputs] for name in names}
+    return sign_variables(measured, "time") | trust_variable(outputs, stopped)
 
 
-def trust_variable(outputs: Sequence[dict[str, float]], stopped: str) -> dict[str, Any]:
-    """The label that health comes to, and why."""
-    trust, reasons = verdict(outputs, stopped)
+def sign_variables(
+    measured: Mapping[str, Any], dims: str | tuple[str, ...] = ()
+) -> dict[str, Variable]:
+    """The variables of what was measured, given by the names of `SIGNS`."""
     return {
-        "trust": (
-            (),
-            np.int8(trust),
-            {
-                "long_name": "how far temperature and kurtosis can be trusted",
-                "flag_values": np.array([t.value for t in Trust], dtype=np.int8),
-                "flag_meanings": " ".join(t.name.lower() for t in Trust),
-                "reasons": "\n".join(reasons),
-            },
-        )
+        sign.variable: labelled(measured[name], sign.long_name, dims)
+        for name, sign in SIGNS.items()
+        if sign.variable and name in measured
     }
 
 
-HEALTH_NAMES = {
-    "temperature": ("temperature_error_estimate", "estimated relative error of T"),
-    "a2": ("a2_error_estimate", "estimated error of a2"),
-    "temperature_noise": (
-        "temperature_error_estimate",
-        "two standard errors of T over batches, relative",
-    ),
-    "a2_noise": ("a2_error_estimate", "two standard errors of a2 over batches"),
-    "mass_drift": ("mass_drift", "|ρ/ρ(0) − 1|"),
-    "momentum_drift": ("momentum_drift", "change of the bulk velocity over the thermal speed"),
-    "edge": ("edge", "largest |f| at the grid's border over max f"),
-    "tail": ("spectral_tail", "part of ∫f² in the upper quarter of the wavenumbers"),
-    "step_ratio": ("step_ratio", "step over the largest that is stable for certain"),
-}
-"""Variable and long name of what is measured of a run's health; the least density is `minimum`."""
+def trust_variable(outputs: Sequence[Mapping[str, float]], stopped: str) -> dict[str, Variable]:
+    """The label as the variable `trust`, its reasons as an attribute; parameters as of `verdict`."""
+    trust, reasons = verdict(outputs, stopped)
+    long_name = "how far temperature and kurtosis can be trusted"
+    return {"trust": flag_variable(trust, long_name, reasons="\n".join(reasons))}

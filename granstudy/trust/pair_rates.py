@@ -1,4 +1,4 @@
-"""Rates of energy and fourth moment from all pairs of a density: what the moments of Q have to balance.
+"""Exact rates of energy and fourth moment, as sums over all pairs of a density (docs/method.md §10).
 
 A collision changes the relative velocity from g to g' = (1−2α)g + 2α|g|σ and leaves w = (v+v*)/2, so that
 with V = |v−u|², V' after the collision,
@@ -7,8 +7,7 @@ with V = |v−u|², V' after the collision,
 
 The mean over σ, of the components of g' along and across g, leaves polynomials in |g|,
 |w|² = ½(V+V*) − |g|²/4 and w·g = ½(V−V*). Rates are integrals ½∫∫ |S|C_λ|g|^λ Δ f f* dv dv* over all pairs:
-no truncation, no sum over modes or directions. Where moments of Q differ from them, Q is wrong
-(docs/method.md §10).
+no truncation, no sum over modes or directions. Where the moments of Q differ from these rates, Q is wrong.
 """
 
 from dataclasses import replace
@@ -21,7 +20,6 @@ from granstudy.model.restitution import Restitution
 from granstudy.model.scene import Scene
 from granstudy.quadrature.deflection import deflections
 from granstudy.velocity.cartesian import VelocityGrid
-from granstudy.velocity.radial import RadialGrid
 from granstudy.velocity.space import VelocitySpace
 from granstudy.velocity.sphere import sphere_area
 
@@ -30,16 +28,16 @@ ANGLES = 64
 
 
 class Rates(NamedTuple):
-    """Of a density by collisions, a unit time.
+    """Rates of a density by collisions, in a unit time.
 
     Attributes
     ----------
     frequency : float
         Collisions of a particle, ∫∫ |S|C_λ|g|^λ f f* / ρ.
     energy : float
-        Change of ½∫|v|² f, of f's own mass.
+        Rate of ½∫|v|² f, with all of f's mass.
     fourth : float
-        Change of ∫|v−u|⁴ f.
+        Rate of ∫|v−u|⁴ f.
     """
 
     frequency: float
@@ -48,9 +46,16 @@ class Rates(NamedTuple):
 
 
 class PairWeights(NamedTuple):
-    """|S|C_λ ρ^λ, and that times what a collision changes on average: functions of ρ = |g|.
+    """Weights of a pair, as functions of ρ = |g|: its collision rate, and the rate times mean changes.
 
-    Δ½(V+V*) = ``energy``,   Δ(V²+V*²) = ``constant`` + ``linear`` (V+V*)/2 + ``square`` (V−V*)².
+    Attributes
+    ----------
+    frequency : ndarray
+        The collision rate |S|C_λ ρ^λ.
+    energy : ndarray
+        The rate times Δ½(V+V*).
+    constant, linear, square : ndarray
+        Coefficients of the rate times Δ(V²+V*²) = ``constant`` + ``linear`` (V+V*)/2 + ``square`` (V−V*)².
     """
 
     frequency: np.ndarray
@@ -61,7 +66,7 @@ class PairWeights(NamedTuple):
 
 
 def pair_weights(scene: Scene, rho: np.ndarray) -> PairWeights:
-    """The weights of pairs at relative speeds ρ, shape (n,)."""
+    """The weights of pairs at relative speeds ``rho``, shape (n,)."""
     u, mean = deflections(scene.dim, 0.0)
     if callable(scene.restitution):
         e = np.asarray(scene.restitution(np.multiply.outer(rho, u)), dtype=float)
@@ -72,7 +77,7 @@ def pair_weights(scene: Scene, rho: np.ndarray) -> PairWeights:
     across = (1.0 + e) * u * np.sqrt(1.0 - u**2)
     along2, across2 = along**2 @ mean, across**2 @ mean
     length4 = (along**2 + across**2) ** 2 @ mean
-    # w has the square of one direction across g, of d−1
+    # across g, w has one direction: a (d−1)th part of the mean square of g' across g lies along it
     share = across2 / (scene.dim - 1)
     loss2 = along2 + across2 - 1.0
     w2, wg2 = loss2 + 2.0 * share, 2.0 * (along2 - 1.0 - share)
@@ -88,15 +93,25 @@ def pair_weights(scene: Scene, rho: np.ndarray) -> PairWeights:
 
 
 class CollisionRates:
-    """The rates of any density on a grid; its weights are computed once."""
+    """Rates of any density on one grid. The weights of pairs are computed once.
+
+    Parameters
+    ----------
+    scene : Scene
+        Kernel and restitution count.
+    grid : VelocityGrid or RadialGrid
+
+    Attributes
+    ----------
+    grid : VelocitySpace
+    """
 
     def __init__(self, scene: Scene, grid: VelocitySpace) -> None:
         self.grid = grid
-        make = _CartesianPairs if isinstance(grid, VelocityGrid) else _RadialPairs
-        self._pairs = make(scene, grid)  # type: ignore[arg-type]
+        self._pairs = _pairs(scene, grid)
 
     def __call__(self, f: np.ndarray) -> Rates:
-        """Collision frequency, rate of energy and rate of the fourth moment of a real density."""
+        """All three rates of a real density."""
         m = self.grid.velocity_moments(f)
         u = m.momentum / m.density
         V = sum(np.square(v - ui) for v, ui in zip(self.grid.velocities(), u, strict=True))
@@ -104,19 +119,19 @@ class CollisionRates:
         return Rates(frequency / m.density, energy / 2, fourth / 2)
 
     def energy(self, f: np.ndarray) -> float:
-        """The rate of energy alone, in a third of the time."""
+        """Rate of energy alone, in a third of the time."""
         return self._pairs.energy(f) / 2
 
 
 class RatesAt:
-    """The rates of a scene's collisions at any restitution; the weights of the last one are kept."""
+    """Rates of a scene's collisions at any restitution; the weights of the last restitution are kept."""
 
     def __init__(self, scene: Scene, grid: VelocitySpace) -> None:
         self._scene, self._grid = scene, grid
         self._last: tuple[Restitution, CollisionRates] | None = None
 
     def __call__(self, restitution: Restitution) -> CollisionRates:
-        """The rates with this restitution in place of the scene's."""
+        """The rates with ``restitution`` in place of the scene's."""
         if self._last is None or self._last[0] != restitution:
             scene = replace(self._scene, restitution=restitution)
             self._last = restitution, CollisionRates(scene, self._grid)
@@ -124,10 +139,10 @@ class RatesAt:
 
 
 class _CartesianPairs:
-    """Sums over all pairs of nodes, by transforms on twice the box, where nothing wraps around.
+    """Sums over all pairs of Cartesian nodes, by transforms on twice the box, where nothing wraps around.
 
-    They are integrals to the midpoint rule's accuracy: spectral but for the kink of ρ^{2+λ} at ρ = 0, which
-    leaves O(h^{d+2+λ}), h the spacing.
+    The sums are integrals to the accuracy of the midpoint rule. The kink of ρ^{2+λ} at ρ = 0 leaves an error
+    O(h^{d+2+λ}), h the spacing; all else is spectrally small.
     """
 
     def __init__(self, scene: Scene, grid: VelocityGrid) -> None:
@@ -139,7 +154,10 @@ class _CartesianPairs:
         self._weights = PairWeights(*(self._transform(w[place], grid.cell) for w in weights))
 
     def _transform(self, weight: np.ndarray, cell: float) -> np.ndarray:
-        """K̂ with Σ_k K̂_k Re(â_k b̂_k*) = ∫∫ K a b* dv dv*; a half spectrum counts its inner modes twice."""
+        """K̂ with Σ_k K̂_k Re(â_k b̂_k*) = ∫∫ K a b* dv dv*, the sum over a half spectrum.
+
+        Inner modes of the half spectrum count twice.
+        """
         K_hat = scipy.fft.rfftn(weight.reshape(self._size)).real * (cell**2 / weight.size)
         K_hat[..., 1:-1] *= 2.0
         return K_hat
@@ -150,7 +168,7 @@ class _CartesianPairs:
         return float(np.vdot(self._weights.energy, f_hat.real**2 + f_hat.imag**2))
 
     def sums(self, f: np.ndarray, V: np.ndarray) -> tuple[float, float, float]:
-        """∫∫ of the frequency, of Δ½(V+V*), and of Δ(V²+V*²), each times f f*."""
+        """∫∫ of the frequency, of Δ½(V+V*) and of Δ(V²+V*²), each times f f*; V at the nodes."""
         f0, f1, f2 = (scipy.fft.rfftn(a, s=self._size) for a in (f, f * V, f * V**2))
         K = self._weights
         squares = f0.real**2 + f0.imag**2
@@ -165,31 +183,44 @@ class _CartesianPairs:
 
 
 class _RadialPairs:
-    """Sums over pairs of speeds, each with the mean over the angle between the velocities."""
+    """Sums over pairs of speeds, each with the mean over the angle between the velocities.
 
-    def __init__(self, scene: Scene, grid: "RadialGrid") -> None:
+    The grid is known by its nodes and weights alone, so that runs on a Cartesian grid do not depend on the
+    radial one.
+    """
+
+    def __init__(self, scene: Scene, grid: VelocitySpace) -> None:
         x, w = np.polynomial.legendre.leggauss(ANGLES)
         if grid.dim == 2:
             x = np.cos(np.pi / 2 * (x + 1))
-        r = grid.nodes[:, None]
+        speeds, weights = grid.velocities()[0], np.asarray(grid.measure)
+        r = speeds[:, None]
         V, V_ = r**2, r.T**2
-        forms = np.zeros((3, grid.N, grid.N))
+        forms = np.zeros((3, speeds.size, speeds.size))
         for cosine, weight in zip(x, w / 2, strict=True):
             rho = np.sqrt(np.maximum(V + V_ - 2.0 * cosine * r * r.T, 0.0))
             K = PairWeights(*(a.reshape(rho.shape) for a in pair_weights(scene, rho.ravel())))
             fourth = K.constant + K.linear * (V + V_) / 2 + K.square * (V - V_) ** 2
             forms += weight * np.array([K.frequency, K.energy, fourth])
-        self._forms = grid.weights[:, None] * forms * grid.weights
+        self._forms = weights[:, None] * forms * weights
 
     def energy(self, f: np.ndarray) -> float:
         """∫∫ of Δ½(V+V*) f f*."""
         return float(f @ self._forms[1] @ f)
 
     def sums(self, f: np.ndarray, V: np.ndarray) -> tuple[float, float, float]:
-        """As of `_CartesianPairs`; V is the nodes' own."""
+        """The sums of `_CartesianPairs.sums`; V is known from the nodes."""
         frequency, energy, fourth = f @ self._forms @ f
         return float(frequency), float(energy), float(fourth)
 
 
+def _pairs(scene: Scene, grid: VelocitySpace) -> _CartesianPairs | _RadialPairs:
+    """The sums over pairs on a grid of either kind."""
+    if isinstance(grid, VelocityGrid):
+        return _CartesianPairs(scene, grid)
+    return _RadialPairs(scene, grid)
+
+
 def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Re(a b*)."""
     return a.real * b.real + a.imag * b.imag

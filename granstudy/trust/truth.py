@@ -1,4 +1,4 @@
-"""What a run's T and a2 are held against: an exact law, or another run; and how far they are from it."""
+"""The truth of T and a2, an exact law or another run, and a run's errors against the truth."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -13,21 +13,21 @@ from granstudy.trust.flags import Status, flag_word
 from granstudy.velocity.sphere import sphere_area
 
 SAME_TIME = 1e-9
-"""Largest relative difference of two output times that are the same."""
+"""Largest relative difference of two output times that count as the same."""
 
 
 @dataclass(frozen=True)
 class Truth:
-    """T and a2 over time, with what they may be off by themselves.
+    """True T and a2 over time, with their own uncertainties.
 
     Attributes
     ----------
     time, temperature, a2 : ndarray, shape (n,)
     temperature_uncertainty, a2_uncertainty : float
-        The largest over time, of T relative to T: standard errors of particles, estimated errors of another
-        run, 0 of a law.
+        Largest uncertainty over time, for T relative to T: 0 for a law, standard errors for particles,
+        estimated errors for another run.
     source : str
-        Where it comes from, in a few words.
+        Where the truth comes from, in a few words.
     """
 
     time: np.ndarray
@@ -39,21 +39,21 @@ class Truth:
 
 
 class Errors(NamedTuple):
-    """Largest distance from the truth over the common times, of T relative to it."""
+    """Largest distances from the truth over the common times; for T, relative to the truth."""
 
     temperature: float
     a2: float
 
 
 def maxwell_truth(scene: Scene, times: np.ndarray) -> Truth:
-    """Exact T and a2 of Maxwell molecules, from the moments that the initial density states.
+    """Exact T and a2 of Maxwell molecules, from the stated moments of the initial density.
 
-    What a grid does to the initial density is so counted as its error (docs/theory.md §1).
+    An error that a grid makes in the initial density so counts as an error of the run (docs/theory.md §1).
 
     Raises
     ------
     ValueError
-        If the scene is not one of `check_maxwell_law`.
+        For a scene without an exact law (`check_maxwell_law`).
     """
     check_maxwell_law(scene)
     start = scene.moments
@@ -70,19 +70,19 @@ def maxwell_truth(scene: Scene, times: np.ndarray) -> Truth:
 
 
 def truth_of_dataset(ds: xr.Dataset) -> Truth:
-    """The truth that another run says.
+    """T and a2 of another run as the truth.
 
     Raises
     ------
     ValueError
-        If that run ended early.
+        If the other run ended early.
     """
     status = Status(int(ds["status"]))
     if status is not Status.OK:
         raise ValueError(f"truth: its run {status.name.lower()}: {ds['status'].attrs['reason']}")
     by_particles = "temperature_standard_error" in ds
-    beside = "standard_error" if by_particles else "error_estimate"
-    T_off, a2_off = ds[f"temperature_{beside}"], ds[f"a2_{beside}"]
+    kind = "standard_error" if by_particles else "error_estimate"
+    T_off, a2_off = ds[f"temperature_{kind}"], ds[f"a2_{kind}"]
     if by_particles:
         T_off = T_off / ds["temperature"]
         source = f"dsmc, {int(ds['particles']):,} particles"
@@ -97,12 +97,14 @@ def truth_of_dataset(ds: xr.Dataset) -> Truth:
 
 
 def errors(ds: xr.Dataset, truth: Truth) -> Errors:
-    """How far a run is from its truth, over the times that both have; a run that ended early, up to there.
+    """Errors of a run against its truth, over the times that both have.
+
+    For a run that ended early, the times up to its end count.
 
     Raises
     ------
     ValueError
-        If they have no time but 0 in common although the run went on.
+        If the run went beyond t = 0, and has only t = 0 in common with its truth.
     """
     time = ds["time"].values
     mine, its = np.nonzero(np.isclose(time[:, None], truth.time, rtol=SAME_TIME, atol=0.0))
@@ -117,5 +119,5 @@ def errors(ds: xr.Dataset, truth: Truth) -> Errors:
 
 
 def _largest(errors: np.ndarray) -> float:
-    """Largest absolute value, NaN of none."""
+    """Largest absolute value; NaN where there is none."""
     return float(np.max(np.abs(errors))) if errors.size else float("nan")

@@ -122,6 +122,15 @@ def test_an_impact_beyond_the_speeds_checked_ends_the_run():
     assert ds["status"].attrs["reason"].startswith("t = 5: ")
 
 
+@pytest.mark.parametrize("overrides", [{"R": 4.0}, {"R": 4.0, "batches": 2, "particles": 20}])
+def test_a_run_that_ends_before_its_first_time_is_an_error(overrides):
+    scene = gs.load_scene(
+        "maxwellian2d", temperature=0.1, restitution=lambda v: 1 - v / 20, diffusion=1000.0
+    )
+    with pytest.raises(ValueError, match=r"t = 5: .*beyond 4R = 16.*nothing was recorded before"):
+        simulate_particles(scene, solver(**overrides), [5.0])
+
+
 def test_a_gas_at_rest_ends_the_run():
     scene = gs.load_scene("bkw2d", restitution=0.0, diffusion=0.0)
     ds = simulate_particles(scene, solver(particles=200), [0.0, 500.0, 6000.0])

@@ -107,6 +107,14 @@ def test_a_study_from_nothing_to_figures_and_what_edits_rerun(project):
         project / "granstudy/evolution/evolve.py", '"""Time integration', '"""# Integration in time'
     )
     assert planned(project) == set()
+    # A method that these runs do not use, or how a study is divided into jobs: nothing.
+    edit(
+        project / "granstudy/collision/choice/methods.py",
+        "OPERATORS: ",
+        "NEW = None\n\nOPERATORS: ",
+    )
+    edit(project / "granstudy/study/jobs.py", "JOB_SECONDS = 60.0", "JOB_SECONDS = 61.0")
+    assert planned(project) == set()
     # Plotting: the figure only.
     edit(project / "granstudy/analysis/figures/figure.py", "\n\n\ndef ", "\n\nUNUSED = 1\n\n\ndef ")
     assert planned(project) == {"all", "figure"}

@@ -1,4 +1,4 @@
-"""∂t f = Q(f,f) + ε Δv f on velocities that stay as they are (docs/method.md §1)."""
+"""The equation for f on fixed velocities: ∂t f = Q(f,f) + ε Δv f (docs/method.md §1)."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -13,16 +13,16 @@ from granstudy.velocity.space import Term
 
 
 class FixedFrame:
-    """The equation for f.
+    """The equation for f on fixed velocities.
 
     Parameters
     ----------
     form : Representation
-        What is advanced.
+        Kind of the states.
     collisions : callable
-        Q of such a state.
+        state ↦ Q.
     scene : Scene
-        Its diffusion ε costs nothing at 0.
+        Heating ε, kernel and restitution; ε = 0 costs nothing.
     """
 
     def __init__(
@@ -42,13 +42,13 @@ class FixedFrame:
         return self.form.state(f)
 
     def rate(self, state: np.ndarray, taken_off: float = 0.0) -> np.ndarray:
-        """Q + (ε − taken_off) Δ; what is taken off is ε or nothing."""
+        """The rate of change Q + (ε − taken_off) Δf; ``taken_off`` is ε or 0."""
         if taken_off == self._epsilon:
             return self._collisions(state)
         return self._collisions(state) + self._diffusion(state)
 
     def collisions(self, state: np.ndarray) -> np.ndarray:
-        """Q at the nodes."""
+        """Q(f,f) at the nodes."""
         return self.form.density(self._collisions(state))
 
     def clock(self, state: np.ndarray, time: float) -> float:
@@ -68,13 +68,13 @@ class FixedFrame:
         return self._scene.restitution
 
     def heating(self, state: np.ndarray, temperature: float) -> float:
-        """2ε/T a unit of the collisions' time, T the temperature of f."""
+        """2ε/T, in a unit of the collisions' time; ``temperature`` is T."""
         return float(2.0 * self._epsilon / temperature)
 
     def stable_step(
         self, scheme: str, state: np.ndarray, density: float, dilation_rate: float
     ) -> float:
-        """The largest step that is stable for certain; nothing dilates."""
+        """Largest step that is certain to be stable; the dilation rate is 0 here."""
         grid, scene = self.form.grid, self._scene
         frequency = largest_frequency(scene.kernel, scene.dim, grid.R, density)
         return stability_limit(scheme, grid, diffusion=self._epsilon, collision_frequency=frequency)
@@ -84,11 +84,11 @@ class FixedFrame:
         return self.form.laplacian_functions(x, terms)
 
     def density(self, state: np.ndarray) -> np.ndarray:
-        """F at the nodes."""
+        """f at the nodes."""
         return self.form.density(state)
 
     def record(self, values: dict[str, Any], state: np.ndarray) -> dict[str, Any]:
-        """Moments of f from the moments of what the grid holds: the same."""
+        """Moments of f from ``values``, the moments of the stored density: the same."""
         return values
 
     def relative_size(self, change: np.ndarray, state: np.ndarray) -> float:
@@ -96,5 +96,5 @@ class FixedFrame:
         return relative_change(self.form, change, state)
 
     def symmetrise(self, state: np.ndarray) -> np.ndarray:
-        """The state without what round-off did to its symmetry."""
+        """The state with the symmetry restored that round-off disturbs."""
         return self.form.symmetrise(state)

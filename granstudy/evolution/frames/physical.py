@@ -1,24 +1,28 @@
-"""From rescaled velocities c = (v − u)/θ back to v: moments and densities (docs/method.md §5)."""
+"""Moments and densities over velocities v from those over rescaled velocities c = (v − u)/θ."""
 
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from granstudy.support.variables import attributes
 from granstudy.velocity.moments import MOMENTS
 
 
 def physical_moments(values: dict[str, Any], scale: float, velocity: np.ndarray) -> dict[str, Any]:
-    """Moments of f(v) = θ^{−d} g((v − u)/θ) from those of g.
+    """Moments of f(v) = θ^{−d} g((v − u)/θ) from moments of g.
 
-    Each goes as its row of `granstudy.velocity.moments.MOMENTS` says; E = ½ρ(|u_f|² + dT).
+    Each moment scales with θ as its row of `granstudy.velocity.moments.MOMENTS` says. The bulk velocity is
+    given, and E = ½ρ(|u_f|² + dT).
 
     Parameters
     ----------
     values : dict
-        `granstudy.velocity.moments.moment_values` of g.
-    scale, velocity : float and ndarray of shape (d,)
-        θ, and the bulk velocity u_f of f.
+        Moments of g (`granstudy.velocity.moments.moment_values`).
+    scale : float
+        θ.
+    velocity : ndarray, shape (d,)
+        Bulk velocity u_f of f.
     """
     d = len(velocity)
     found = {
@@ -35,10 +39,20 @@ def physical_moments(values: dict[str, Any], scale: float, velocity: np.ndarray)
 
 
 def physical_density(ds: xr.Dataset) -> xr.DataArray:
-    """The saved densities f(t, v) of a run, whatever its frame, or the density f(v) of a state.
+    """Densities f(t, v) that a run kept, in either frame, or the density f(v) of a state.
 
-    Of a rescaled run f = θ^{−d} g lies on velocities v = u + θc of its own at each snapshot: ``vx``, ``vy``
-    (``vz``), or ``r``, are coordinates over ``snapshot`` and the scaled axis; of a state over that axis.
+    Parameters
+    ----------
+    ds : xarray.Dataset
+        Dataset of `granstudy.simulate`, `granstudy.cooling_state` or `granstudy.heated_state`.
+
+    Returns
+    -------
+    xarray.DataArray
+        f. For a run in the fixed frame, `f` as it was kept. For a rescaled run f = θ^{−d} g, over the
+        scaled axes; each snapshot has velocities v = u + θc of its own, and so the coordinates ``vx``, ``vy``
+        (``vz``), or ``r``, run over ``snapshot`` and the scaled axis. For a state they run over the scaled
+        axis alone.
 
     Raises
     ------
@@ -56,11 +70,11 @@ def physical_density(ds: xr.Dataset) -> xr.DataArray:
     f = ds["g"] / theta ** ds.sizes["component"]
     if "c" in ds.dims:
         speeds = theta * ds["c"]
-        speeds.attrs = {"long_name": "radial speed |v|", "units": "1"}
+        speeds.attrs = attributes("radial speed |v|")
         f = f.assign_coords(r=speeds)
     else:
         for i, axis in enumerate(ds["component"].values):
             v = at["u"].isel(component=i, drop=True) + theta * ds[f"c{axis}"]
-            v.attrs = {"long_name": f"velocity {axis}", "units": "1"}
+            v.attrs = attributes(f"velocity {axis}")
             f = f.assign_coords({f"v{axis}": v})
     return f.rename("f").assign_attrs(long_name="velocity density f", units="1")

@@ -1,4 +1,4 @@
-"""The equation on velocities that shrink and move with the gas (docs/method.md §5)."""
+"""The equation on rescaled velocities, which shrink and move with the gas (docs/method.md §5)."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -11,7 +11,7 @@ from granstudy.evolution.stability import largest_frequency, stability_limit
 from granstudy.evolution.unknowns import Representation, relative_change
 from granstudy.model.restitution import Restitution, ScaledRestitution
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Solver
+from granstudy.model.solver import SizedSolver
 from granstudy.velocity.space import Term
 
 ScaledCollisions = Callable[[np.ndarray, float], np.ndarray]
@@ -19,37 +19,38 @@ ScaledCollisions = Callable[[np.ndarray, float], np.ndarray]
 
 
 class Place(NamedTuple):
-    """What a state holds beside g."""
+    """Where the frame is: the part of a state beside g."""
 
     log_scale: float
-    """log θ"""
+    """log θ."""
     collision_time: float
-    """τ = ∫θ^λ dt"""
+    """τ = ∫θ^λ dt."""
     velocity: np.ndarray
-    """Bulk velocity u_f of f; the frame's is u = u_f − θu_g"""
+    """Bulk velocity u_f of f; the velocity of the frame is u = u_f − θu_g."""
 
 
 class RescaledFrame:
-    """f(t,v) = θ^{−d} g(t,c), c = (v − u)/θ, with θ and u such that g keeps its temperature and u_g.
+    """The equation for g, f(t,v) = θ^{−d} g(t,c), on rescaled velocities c = (v − u)/θ.
 
         ∂t g = θ^λ Q(g,g) + εθ^{−2} Δg + (θ'/θ) ∇c·(c g) + (u'/θ)·∇g
 
-    θ and u go by the temperature and the momentum of the first two terms, `balance`. What multiplies the
-    motions ∇c·(c g) and ∇g is θ'/θ and u'/θ but for what g has at the grid's border: it is taken such that
-    the discrete T_g and u_g stay as they are, `keeping`. Where mass and momentum are conserved u' = 0; a
-    drift moves the frame, as it would throw the gas out of a fixed one while velocities shrink.
+    θ and u follow the temperature and the momentum of the first two terms (`balance`), so that g keeps its
+    temperature T_g and its bulk velocity u_g. Discretely, the motions ∇c·(c g) and ∇g get the factors that
+    keep the sums T_g and u_g exactly (`keeping`); the value of g at the grid's border makes them differ from
+    θ'/θ and u'/θ. Where mass and momentum are conserved, u' = 0. A drift of momentum moves the frame: while
+    velocities shrink, it would throw the gas out of a frame that stands still.
 
-    A state is one array: g (or ĝ), then log θ, τ, and f's bulk velocity u_f = u + θu_g (none on a radial
-    grid).
+    A state is one array: g (or ĝ), then log θ, τ, and the bulk velocity u_f = u + θu_g of f. On a radial grid
+    there is no u_f.
 
     Parameters
     ----------
     form : Representation
-        What is advanced of g.
+        Kind of the states of g.
     collisions : callable
-        (g's state, θ) ↦ Q.
+        (state of g, θ) ↦ Q.
     scene : Scene
-        Its diffusion ε, exponent λ and restitution.
+        Heating ε, kernel and restitution.
     velocity : ndarray, shape (d,)
         u at the start.
     """
@@ -77,13 +78,13 @@ class RescaledFrame:
         self._moments = phi.reshape(len(phi), -1)
 
     def start(self, f: np.ndarray) -> np.ndarray:
-        """The state of g = f at θ = 1."""
+        """The state of an initial density f: g = f, θ = 1."""
         m = self.form.grid.velocity_moments(f)
         bulk = self._velocity + m.momentum / m.density
         return self._join(self.form.state(f), 0.0, 0.0, bulk)
 
     def rate(self, state: np.ndarray, taken_off: float = 0.0) -> np.ndarray:
-        """The rate of change, less ``taken_off`` Δg."""
+        """The rate of change of a state, less ``taken_off`` Δg."""
         g, place = self._split(state)
         theta = np.exp(place.log_scale)
         rate = theta**self._exponent * self._collisions(g, theta)
@@ -99,13 +100,13 @@ class RescaledFrame:
         return self._join(rate, shrinking, theta**self._exponent, theta * drift)
 
     def _motions(self, g: np.ndarray) -> list[np.ndarray]:
-        """∇c·(c g) and ∇g; mass that they move out of the grid comes back in the shape of g."""
+        """∇c·(c g) and ∇g; mass that leaves the grid with them comes back in the shape of g."""
         motions = [self.form.dilation(g), *self.form.gradient(g)]
         mass, *lost = self._moments_of(g, *motions)[0]
         return [motion - m / mass * g for motion, m in zip(motions, lost, strict=True)]
 
     def _moments_of(self, *states: np.ndarray) -> np.ndarray:
-        """M_0, M_i and M_E (rows) of some states of g."""
+        """Moments M_0, M_i and M_E (rows) of each of the states of g (columns)."""
         return self._moments @ np.array([self.form.density(a).ravel() for a in states]).T
 
     def collisions(self, state: np.ndarray) -> np.ndarray:
@@ -131,14 +132,14 @@ class RescaledFrame:
         return ScaledRestitution(law, self.scale(state)) if callable(law) else law
 
     def heating(self, state: np.ndarray, temperature: float) -> float:
-        """2ε/T a unit of the collisions' time, T = θ²T_g and ``temperature`` T_g."""
+        """2ε/T, in a unit of the collisions' time; T = θ²T_g, and ``temperature`` is T_g."""
         scaled = temperature * self.scale(state) ** self._exponent
         return float(2.0 * self.diffusivity(state) / scaled)
 
     def stable_step(
         self, scheme: str, state: np.ndarray, density: float, dilation_rate: float
     ) -> float:
-        """The largest step that is stable for certain, θ'/θ the ``dilation_rate``."""
+        """Largest step that is certain to be stable; ``dilation_rate`` is θ'/θ."""
         grid, scene = self.form.grid, self._scene
         frequency = largest_frequency(scene.kernel, scene.dim, grid.R, density)
         return stability_limit(
@@ -158,11 +159,11 @@ class RescaledFrame:
         return np.concatenate([g.ravel(), rest])
 
     def density(self, state: np.ndarray) -> np.ndarray:
-        """The density g at the nodes c."""
+        """g at the nodes c."""
         return self.form.density(self._split(state)[0])
 
     def record(self, values: dict[str, Any], state: np.ndarray) -> dict[str, Any]:
-        """Moments of f from those of g, and where the frame is."""
+        """Moments of f from ``values``, the moments of g; and where the frame is."""
         _, place = self._split(state)
         theta = self.scale(state)
         return physical_moments(values, theta, place.velocity) | {
@@ -172,18 +173,18 @@ class RescaledFrame:
         }
 
     def relative_size(self, change: np.ndarray, state: np.ndarray) -> float:
-        """Largest of the sizes of the changes of g (`relative_change`), of log θ, and of u_f over θ."""
+        """Largest of three changes: that of g (`relative_change`), of log θ, and of u_f over θ."""
         size = relative_change(self.form, self._split(change)[0], self._split(state)[0])
         moved = np.abs(change[self._nodes + 2 :]) * np.exp(-self._split(state)[1].log_scale)
         return float(max(size, np.abs(change[self._nodes]), *moved))
 
     def symmetrise(self, state: np.ndarray) -> np.ndarray:
-        """The state without what round-off did to the symmetry of g."""
+        """The state with the symmetry of g restored that round-off disturbs."""
         g = self.form.symmetrise(self._split(state)[0])
         return np.concatenate([g.ravel(), state[self._nodes :]])
 
     def _split(self, state: np.ndarray) -> tuple[np.ndarray, Place]:
-        """The state of g, and what stands beside it."""
+        """The state of g, and where the frame is."""
         log_scale, collision_time, *velocity = state[self._nodes :].real
         u = np.array(velocity) if self._moving else self._velocity
         place = Place(float(log_scale), float(collision_time), u)
@@ -192,15 +193,22 @@ class RescaledFrame:
     def _join(
         self, g: np.ndarray, log_scale: float, collision_time: float, velocity: np.ndarray
     ) -> np.ndarray:
-        """One array of both."""
+        """One array of a state of g and where the frame is."""
         rest = [log_scale, collision_time, *(velocity if self._moving else ())]
         return np.concatenate([g.ravel(), rest])
 
 
 def balance(M: np.ndarray, change: np.ndarray, dim: int) -> tuple[float, np.ndarray]:
-    """T'/(2T) and u_g' of a density with the moments M = (M_0, M_i, M_E) that change at the rates given.
+    """T'/(2T) and u_g' of a density, from its moments and their rates.
 
-    With e = M_E/M_0 and dT = 2e − |u_g|²: the θ'/θ of docs/method.md §5 at any density.
+    With e = M_E/M_0 and dT = 2e − |u_g|². T'/(2T) is θ'/θ of docs/method.md §5, at any ρ.
+
+    Parameters
+    ----------
+    M, change : ndarray, shape (d + 2,) or (2,)
+        Moments (M_0, M_i, M_E) and their rates; without M_i on a radial grid.
+    dim : int
+        Velocity dimension d.
     """
     u, e = M[1:-1] / M[0], M[-1] / M[0]
     u_rate = (change[1:-1] - u * change[0]) / M[0]
@@ -210,7 +218,7 @@ def balance(M: np.ndarray, change: np.ndarray, dim: int) -> tuple[float, np.ndar
 
 
 def keeping(M: np.ndarray, change: np.ndarray, motions: np.ndarray) -> np.ndarray:
-    """Speeds s for which M_i/M_0 and M_E/M_0 do not change where M does at ``change`` + ``motions`` s."""
+    """Speeds s of the motions that keep M_i/M_0 and M_E/M_0, where M' = ``change`` + ``motions`` s."""
     rates = np.column_stack([change, motions])
     A = rates[1:] - np.outer(M[1:] / M[0], rates[0])
     return np.linalg.solve(A[:, 1:], -A[:, 0])
@@ -218,7 +226,7 @@ def keeping(M: np.ndarray, change: np.ndarray, motions: np.ndarray) -> np.ndarra
 
 @dataclass(frozen=True)
 class Centred:
-    """An initial density seen from the velocity ``centre``: g(c) = f(u + c)."""
+    """An initial density as seen from the velocity u = ``centre``: g(c) = f(u + c)."""
 
     initial: Callable[..., np.ndarray]
     centre: tuple[float, ...]
@@ -228,13 +236,13 @@ class Centred:
         return self.initial(*(ci + ui for ci, ui in zip(c, self.centre, strict=True)))
 
 
-def centred(scene: Scene, solver: Solver) -> tuple[Scene, np.ndarray]:
-    """The scene seen from its bulk velocity u on the solver's grid, and u."""
+def centred(scene: Scene, solver: SizedSolver) -> tuple[Scene, np.ndarray]:
+    """The scene as seen from its bulk velocity u on the solver's grid; and u, shape (d,)."""
     grid = solver.grid(scene.dim)
     m = grid.velocity_moments(scene.density(grid))
     u = m.momentum / m.density
     thermal = np.sqrt(np.trace(m.pressure) / (scene.dim * m.density))
-    # Round-off is no velocity: symmetric densities keep their digits.
+    # Round-off counts as 0, so that symmetric densities keep their digits.
     u = np.where(np.abs(u) > 1e-10 * thermal, u, 0.0)
     if not u.any():
         return scene, u
