@@ -1,64 +1,13 @@
-"""Every column of a table, once: heading, symbol, digits, and the tolerance it is compared with."""
+"""Every column of a table, once: heading, symbol, digits, tolerance, long name.
 
-from dataclasses import dataclass
+Tables, figures and comparisons read all of them here. Parameters, which say what run a row is, have their
+headings and symbols in `granstudy.datasets.parameters`.
+"""
 
-import xarray as xr
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 
-HEADINGS = {
-    "N_rho": "N_ρ",
-    "epsilon": "ε",
-    "exponent": "λ",
-    "dt": "Δt",
-    "sphere_rule": "rule",
-    "N_theta": "N_θ",
-    "N_phi": "N_φ",
-    "ratio": "ours / paper",
-    "paper": "paper",
-    "order": "fitted order",
-    "C0": "C₀",
-    "C0_error": "± (fit)",
-    "C0_theory": "C₀ (Gaussian)",
-    "density_drift": "density drift",
-    "fft_seconds": "FFT seconds",
-    "overhead": "seconds / FFT seconds",
-    "speedup": "baseline / this",
-    "rtol": "rtol",
-    "time_exponent": "time: exponent in N",
-    "memory_exponent": "memory: exponent in N",
-    "law_exponent": "N^(d+1) log N: exponent",
-    "largest_temperature_error": "error of T",
-    "temperature_error_estimate": "its estimate",
-    "largest_a2_error": "error of a2",
-    "a2_error_estimate": "its estimate",
-    "peak_memory_mb": "peak memory (MB)",
-    "cooling_coefficient": "K",
-    "a2_linear": "a2 (linear theory)",
-    "a2_divided": "a2 (linear, divided by 1 + a2)",
-    "a2_exact": "a2 (exact)",
-    "a2_error": "error of a2",
-    "tail_exponent": "p of the tail",
-    "slope": "d ln T/d ln t",
-    "slope_error": "from −2/λ",
-}
-"""What heads a column; the name itself where none is given."""
-
-
-QUANTITIES = {
-    "paper_temperature_error": "|T − T_ref| at the final time, measured as the paper does: "
-    "T = 2E/d, not divided by density; T_ref by the exact law from the discrete initial T",
-    "temperature_error": "|T − T_exact| at the final time, T divided by density",
-}
-"""What a quantity is, where its long name is too short for a reader of the table alone."""
-
-
-def _digits(table: xr.Dataset, name: str, value: float) -> str:
-    """The format of a column that has none of its own."""
-    measure = table.attrs.get("paper_quantity") if name == "paper" else name
-    if str(measure).endswith(("error", "estimate", "drift")):
-        return ".3e"
-    if name == "ratio":
-        return ".3f" if 0.01 <= value < 1000 else ".1e"
-    return ".5g" if measure in ("temperature", "C0", "C0_theory") else ".3g"
+from granstudy.datasets.parameters import PARAMETERS
 
 
 @dataclass(frozen=True)
@@ -70,58 +19,311 @@ class Tolerance:
     reason: str
 
 
-TOLERANCES = {
-    "paper_temperature_error": Tolerance(
-        1e-6, 1e-12, "the recipe is deterministic; FFT and BLAS round-off differ by machine"
-    ),
-    "temperature_error": Tolerance(1e-6, 1e-12, "as paper_temperature_error"),
-    "collision_error": Tolerance(1e-6, 1e-12, "max|Q| is about 0.1, known to round-off"),
-    "relative_error": Tolerance(1e-6, 1e-11, "collision_error over max|Q|"),
-    "error": Tolerance(
-        1e-6, 1e-11, "collision_error over max|Q|; a tolerance's plan is deterministic"
-    ),
-    "temperature": Tolerance(1e-9, 1e-12, "a moment of order one after some hundred steps"),
-    "largest_temperature_error": Tolerance(
-        1e-4, 1e-9, "a difference of moments known to 1e-9; steps that adapt follow round-off"
-    ),
-    "largest_a2_error": Tolerance(1e-4, 1e-8, "as largest_temperature_error"),
-    "temperature_error_estimate": Tolerance(1e-4, 1e-9, "as largest_temperature_error"),
-    "a2_error_estimate": Tolerance(1e-4, 1e-8, "as largest_temperature_error"),
-    "a2": Tolerance(1e-6, 1e-8, "a quotient of moments after some hundred adaptive steps"),
-    "density_drift": Tolerance(1e-6, 1e-11, "round-off of a sum over the grid"),
-    "order": Tolerance(1e-3, 1e-3, "a slope through errors near the round-off of T"),
-    "C0": Tolerance(1e-7, 0.0, "a fit to smooth data"),
-    "C0_error": Tolerance(1e-4, 0.0, "a variance of small residuals"),
-    "ratio": Tolerance(1e-6, 1e-5, "a quotient of the above and a printed number"),
-    "seconds": Tolerance(None, 0.0, "depends on the machine and its load"),
-    "fft_seconds": Tolerance(None, 0.0, "as seconds"),
-    "speedup": Tolerance(None, 0.0, "a quotient of seconds on a shared machine"),
-    "overhead": Tolerance(None, 0.0, "as speedup"),
-    "peak_memory_mb": Tolerance(None, 0.0, "depends on the allocator"),
-    "front": Tolerance(None, 0.0, "follows from seconds"),
-    "time_exponent": Tolerance(None, 0.0, "a slope through seconds"),
-    "memory_exponent": Tolerance(None, 0.0, "a slope through peak memories"),
+CONSTANT = Tolerance(1e-9, 0.0, "a constant of the study")
+"""Tolerance of a column that states none."""
+
+Digits = str | Callable[[float], str]
+"""A format of Python's, or what gives one for a number."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """What readers of a table and of a figure need to know of a column.
+
+    Attributes
+    ----------
+    heading : str
+        In Markdown; "" stands for the name with spaces for underscores.
+    digits : str or callable
+        Format of a number in Markdown. A variable's own attribute `format` goes before it.
+    tolerance : Tolerance
+        How far a regenerated number may lie from the committed one.
+    long_name : str
+        NetCDF's, for columns that tables compute; words in braces are filled in by the table. "": the
+        variable comes from the runs, with a long name of its own.
+    units : str
+        NetCDF's, for the same columns; "" for what is no number.
+    symbol : str
+        On an axis, as Matplotlib's mathematics; "" stands for the name.
+    legend : str
+        What a Markdown table says of its quantity; "" stands for the long name.
+    solved : str
+        Format in tables of states, whose numbers are known to more digits; "" stands for `digits`.
+    """
+
+    heading: str = ""
+    digits: Digits = ".3g"
+    tolerance: Tolerance = CONSTANT
+    long_name: str = ""
+    units: str = "1"
+    symbol: str = ""
+    legend: str = ""
+    solved: str = ""
+
+    def text(self, value: float) -> str:
+        """The number to the digits that are worth reading."""
+        return format(value, self.digits(value) if callable(self.digits) else self.digits)
+
+
+def _ratio_digits(ratio: float) -> str:
+    return ".3f" if 0.01 <= ratio < 1000 else ".1e"
+
+
+ERROR, ROUGH, SIX = ".3e", ".1e", ".6f"
+"""Formats of errors, of errors of which the size alone matters, and of a state's numbers."""
+
+# Tolerances, named after their columns.
+RECIPE = Tolerance(
+    1e-6, 1e-12, "the recipe is deterministic; FFT and BLAS round-off differ by machine"
+)
+LIKE_RECIPE = replace(RECIPE, reason="as paper_temperature_error")
+T = Tolerance(1e-9, 1e-12, "a moment of order one after some hundred steps")
+A2 = Tolerance(1e-6, 1e-8, "a quotient of moments after some hundred adaptive steps")
+T_ERROR = Tolerance(
+    1e-4, 1e-9, "a difference of moments known to 1e-9; steps that adapt follow round-off"
+)
+T_ESTIMATE = replace(T_ERROR, reason="as largest_temperature_error")
+A2_ERROR = Tolerance(1e-4, 1e-8, "as largest_temperature_error")
+Q_ERROR = Tolerance(1e-6, 1e-12, "max|Q| is about 0.1, known to round-off")
+Q_RELATIVE = Tolerance(1e-6, 1e-11, "collision_error over max|Q|")
+Q_PLANNED = Tolerance(
+    1e-6, 1e-11, "collision_error over max|Q|; a tolerance's plan is deterministic"
+)
+DRIFT = Tolerance(1e-6, 1e-11, "round-off of a sum over the grid")
+ORDER = Tolerance(1e-3, 1e-3, "a slope through errors near the round-off of T")
+HAFF = Tolerance(1e-7, 0.0, "a fit to smooth data")
+HAFF_ERROR = Tolerance(1e-4, 0.0, "a variance of small residuals")
+RATIO = Tolerance(1e-6, 1e-5, "a quotient of the above and a printed number")
+SECONDS = Tolerance(None, 0.0, "depends on the machine and its load")
+FFT = replace(SECONDS, reason="as seconds")
+SPEEDUP = replace(SECONDS, reason="a quotient of seconds on a shared machine")
+OVERHEAD = replace(SECONDS, reason="as speedup")
+MEMORY = replace(SECONDS, reason="depends on the allocator")
+FRONT = replace(SECONDS, reason="follows from seconds")
+GROWTH = replace(SECONDS, reason="a slope through seconds")
+MEMORY_GROWTH = replace(SECONDS, reason="a slope through peak memories")
+
+# fmt: off
+OF_QUANTITY: dict[str, Column] = {
+    "slope": Column("d ln T/d ln t", SIX, CONSTANT, "d ln T/d ln t, mean over the last decade of t"),
+    "slope_error": Column(
+        "from −2/λ", ROUGH, CONSTANT, "largest |d ln T/d ln t + 2/λ| in the last decade of t"),
+    "C0": Column("C₀", ".5g", HAFF, "Haff constant, least squares of T0 (1 + C0 t)^-2"),
+    "C0_error": Column("± (fit)", ERROR, HAFF_ERROR, "standard error of the fitted C0"),
+    "C0_theory": Column(
+        "C₀ (Gaussian)", ".5g", CONSTANT,
+        "Haff constant of a Gaussian shape at the initial temperature"),
+    "paper": Column("", "", CONSTANT, "{of} printed in the paper; NaN where has_paper is false"),
+    "ratio": Column(
+        "ours / paper", _ratio_digits, RATIO, "ours / paper; NaN where has_paper is false"),
+    "has_paper": Column(long_name="the paper prints a number for the run", units=""),
+    "order": Column(
+        "fitted order", ".3g", ORDER,
+        "p of {of} ~ {x}^p, fitted to the runs that differ in {x} alone"),
 }
+"""Columns that stand directly after the table's quantity: fits, and numbers printed in the paper."""
 
-
-DEFAULT = Tolerance(1e-9, 0.0, "a constant of the study")
-
-
-SYMBOLS = {
-    "e": "$e$",
-    "exponent": r"$\lambda$",
-    "epsilon": r"$\varepsilon$",
-    "N": "$N$",
-    "R": "$R$",
-    "N_rho": r"$N_\rho$",
-    "M_sph": r"$M_\mathrm{sph}$",
-    "M_cir": r"$M_\mathrm{cir}$",
-    "dt": r"$\Delta t$",
-    "paper_temperature_error": r"$|T - T_\mathrm{ref}|$",
-    "temperature_error": r"$|T - T_\mathrm{exact}|$",
-    "collision_error": r"$\|Q - Q_\mathrm{direct}\|_\infty$",
-    "relative_error": r"$\|Q - Q_\mathrm{direct}\|_\infty / \|Q_\mathrm{direct}\|_\infty$",
-    "error": r"$\|Q - Q_\mathrm{ref}\|_\infty / \|Q_\mathrm{ref}\|_\infty$",
-    "seconds": "time per evaluation of $Q$ (s)",
+COLUMNS: dict[str, Column] = OF_QUANTITY | {
+    # Beside a truth.
+    "largest_temperature_error": Column(
+        "error of T", ERROR, T_ERROR, "largest |T/T_truth − 1| over the output times reached",
+        symbol=r"largest $|T/T_\mathrm{true} - 1|$"),
+    "temperature_error_estimate": Column(
+        "its estimate", ERROR, T_ESTIMATE,
+        "largest relative error of T that the run itself estimated"),
+    "largest_a2_error": Column(
+        "error of a2", ERROR, A2_ERROR, "largest |a2 − a2_truth| over the output times reached",
+        symbol=r"largest $|a_2 - a_{2,\mathrm{true}}|$"),
+    "a2_error_estimate": Column(
+        "its estimate", ERROR, A2_ERROR, "largest error of a2 that the run itself estimated"),
+    "trust": Column(),
+    # Of collisions.
+    "collision_error": Column(
+        "", ERROR, Q_ERROR, "max|Q − Q_reference| on the grid",
+        symbol=r"$\|Q - Q_\mathrm{direct}\|_\infty$"),
+    "relative_error": Column(
+        "", ERROR, Q_RELATIVE, "max|Q − Q_reference| / max|Q_reference|",
+        symbol=r"$\|Q - Q_\mathrm{direct}\|_\infty / \|Q_\mathrm{direct}\|_\infty$"),
+    # Of evolutions, at the last time; the runs have the long names.
+    "paper_temperature_error": Column(
+        "", ERROR, RECIPE, symbol=r"$|T - T_\mathrm{ref}|$",
+        legend="|T − T_ref| at the final time, measured as the paper does: "
+        "T = 2E/d, not divided by density; T_ref by the exact law from the discrete initial T"),
+    "temperature_error": Column(
+        "", ERROR, LIKE_RECIPE, symbol=r"$|T - T_\mathrm{exact}|$",
+        legend="|T − T_exact| at the final time, T divided by density"),
+    "temperature": Column("", ".5g", T, symbol="$T$", solved=".7f"),
+    "a2": Column("", ".3g", A2, symbol="$a_2$", solved=SIX),
+    # Of states, beside theories of them.
+    "a2_linear": Column("a2 (linear theory)", SIX, CONSTANT, "a2 by the theory linear in it"),
+    "a2_divided": Column(
+        "a2 (linear, divided by 1 + a2)", SIX, CONSTANT,
+        "a2 by the theory linear in it after division by 1 + a2"),
+    "a2_exact": Column(
+        "a2 (exact)", SIX, CONSTANT, "a2 by the exact moments of Maxwell molecules"),
+    "a2_error": Column(
+        "error of a2", ROUGH, CONSTANT, "|a2 − a2_exact|", symbol="$|a_2 - a_2^{exact}|$"),
+    "tail_exponent": Column(
+        "p of the tail", ".3g", CONSTANT,
+        "p of the exact tail |v|^(−d−p), of which ⟨|v|⁴⟩ beyond V is V^(4−p)"),
+    "a3": Column("", SIX),
+    "cooling_rate": Column(),
+    "cooling_coefficient": Column("K", ".7g"),
+    "mass_loss": Column(),
+    "estimated_a2_error": Column("", ROUGH),
+    # Of benchmarks, whose dataset has the long names; seconds of whole runs, too.
+    "error": Column(
+        "", ERROR, Q_PLANNED, symbol=r"$\|Q - Q_\mathrm{ref}\|_\infty / \|Q_\mathrm{ref}\|_\infty$"),
+    "seconds": Column(
+        "", ".3g", SECONDS, "wall time of the run, set-up included", "s",
+        symbol="time per evaluation of $Q$ (s)"),
+    "speedup": Column("baseline / this", ".3g", SPEEDUP),
+    "transforms": Column(),
+    "fft_seconds": Column("FFT seconds", ".3g", FFT),
+    "overhead": Column("seconds / FFT seconds", ".3g", OVERHEAD),
+    "peak_memory_mb": Column("peak memory (MB)", ".3g", MEMORY),
+    "front": Column(tolerance=FRONT),
+    "baseline": Column(),
+    "reason": Column(),
+    "time_exponent": Column(
+        "time: exponent in N", ".3g", GROWTH, "p of seconds ~ N^p, fitted to the runs of a method"),
+    "memory_exponent": Column(
+        "memory: exponent in N", ".3g", MEMORY_GROWTH,
+        "p of peak memory ~ N^p, fitted where it is above {least} MB"),
+    "law_exponent": Column(
+        "N^(d+1) log N: exponent", ".3g", CONSTANT,
+        "p of N^{{d+1}} log N ~ N^p, fitted to the same N"),
+    # What else an evolution or a state can be asked for.
+    "density_drift": Column("", ERROR, DRIFT),
+    "density": Column(),
+    "energy": Column(),
+    "paper_temperature": Column(),
+    "minimum": Column(),
+    "temperature_exact": Column(),
+    "paper_temperature_exact": Column(),
+    "mass_drift": Column("", ERROR),
+    "momentum_drift": Column("", ERROR),
+    "edge": Column(),
+    "spectral_tail": Column(),
+    "step_ratio": Column(),
+    "velocity_scale": Column(),
+    "collision_time": Column(),
+    "collisions": Column(),
+    # Of the map, and of every table.
+    "wrong": Column(long_name="whether the label breaks the rule", units=""),
+    "status": Column(),
 }
-"""Axis labels: the paper's symbols."""
+"""All columns by the name of their variable, in reading order."""
+# fmt: on
+
+DERIVED: dict[str, Column] = {
+    "_standard_error": Column(digits=ERROR, solved=ROUGH, long_name="standard error of {of}"),
+    "_difference": Column(digits=ROUGH, long_name="{of}, less {own}"),
+}
+"""Columns whose names are made at run time, by the ending of their name.
+
+``<column>_<experiment>`` holds what another experiment says of a column; it has that column's digits.
+``<column>[_<experiment>]_standard_error`` and ``<column>_<experiment>_difference`` stand beside.
+"""
+
+
+def listed(name: str, beside: Sequence[str] = ()) -> str:
+    """The column of `COLUMNS` that a column is, or that its name is made from.
+
+    Parameters
+    ----------
+    beside : sequence of str
+        Other experiments, whose names may stand in a column's.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    endings = (*DERIVED, *(f"_{other}" for other in beside))
+    base = name
+    while base not in COLUMNS:
+        ending = next((ending for ending in endings if base.endswith(ending)), None)
+        if ending is None:
+            raise ValueError(
+                f"column {name!r}: has no row in granstudy.analysis.columns.COLUMNS; add one, which "
+                "gives it a heading, digits, a tolerance and a place among the others"
+            )
+        base = base.removesuffix(ending)
+    return base
+
+
+def column(name: str, beside: Sequence[str] = ()) -> Column:
+    """The facts of a column, by the rule of `DERIVED` where its name is made at run time.
+
+    Raises
+    ------
+    ValueError
+        If no row of `COLUMNS` has it.
+    """
+    own = COLUMNS[listed(name, beside)]
+    if name in COLUMNS:
+        return own
+    made = next((made for ending, made in DERIVED.items() if name.endswith(ending)), None)
+    return made or Column(digits=own.digits, solved=own.solved)
+
+
+def attributes(name: str, beside: Sequence[str] = (), **words: object) -> dict[str, str]:
+    """Long name and units of a column that a table computes, its words filled in."""
+    own = column(name, beside)
+    found = {"long_name": own.long_name.format(**words), "units": own.units}
+    return {key: text for key, text in found.items() if text}
+
+
+def reading_order(
+    names: Iterable[str], quantity: str, beside: Sequence[str] = (), as_built: bool = False
+) -> list[str]:
+    """Columns as a reader meets them: the quantity, its standard error, `OF_QUANTITY`, the rest, `status`.
+
+    Parameters
+    ----------
+    names : iterable of str
+    quantity : str
+        The column that the table is about.
+    beside : sequence of str
+        Other experiments, whose names may stand in a column's.
+    as_built : bool
+        Whether the rest keeps the order that it comes in; by default it gets the order of `COLUMNS`.
+
+    Raises
+    ------
+    ValueError
+        If no row of `COLUMNS` has one of the columns.
+    """
+    places = {name: place for place, name in enumerate(COLUMNS)}
+
+    def place(name: str) -> tuple[int, int]:
+        row = listed(name, beside)
+        if name == quantity:
+            return 0, 0
+        if name == f"{quantity}_standard_error":
+            return 0, 1
+        if row in OF_QUANTITY:
+            return 1, places[row]
+        return 3 if row == "status" else 2, 0 if as_built else places[row]
+
+    return sorted(names, key=place)
+
+
+def heading(name: str) -> str:
+    """What heads a parameter or a column in Markdown."""
+    if name in PARAMETERS:
+        return PARAMETERS[name].heading or name
+    own = COLUMNS[name].heading if name in COLUMNS else ""
+    return own or name.replace("_", " ")
+
+
+def symbol(name: str) -> str:
+    """What a parameter or a column is called on an axis."""
+    found = PARAMETERS.get(name) or COLUMNS.get(name)
+    return found.symbol or name if found else name
+
+
+def tolerance(name: str) -> Tolerance:
+    """What a column is compared with; `CONSTANT` where its name is made at run time."""
+    return COLUMNS[name].tolerance if name in COLUMNS else CONSTANT

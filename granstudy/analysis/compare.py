@@ -12,10 +12,10 @@ import numpy as np
 import pandas as pd
 from pandas.api.types import is_bool_dtype, is_numeric_dtype
 
-from granstudy.analysis.columns import DEFAULT, TOLERANCES, Tolerance
-from granstudy.datasets.parameters import SWEPT
+from granstudy.analysis.columns import Tolerance, tolerance
+from granstudy.datasets.parameters import PARAMETERS
 
-KEYS = (*SWEPT, "N_theta", "N_phi", "threads", "case", "configuration", "variation")
+KEYS = (*PARAMETERS, "threads", "case", "configuration", "variation")
 """Columns that tell which row it is."""
 
 
@@ -32,17 +32,17 @@ MAJOR_FACTOR = 100.0
 """A difference beyond so many tolerances is major."""
 
 
-def grade(new: float, committed: float, tolerance: Tolerance) -> Grade:
+def grade(new: float, committed: float, allowed: Tolerance) -> Grade:
     """Grade one number."""
-    if tolerance.relative is None:
+    if allowed.relative is None:
         return Grade.OK
     if np.isnan(new) or np.isnan(committed):
         return Grade.OK if np.isnan(new) and np.isnan(committed) else Grade.MAJOR
-    allowed = tolerance.relative * abs(committed) + tolerance.absolute
+    largest = allowed.relative * abs(committed) + allowed.absolute
     difference = abs(new - committed)
-    if difference <= allowed:
+    if difference <= largest:
         return Grade.OK
-    return Grade.MINOR if difference <= MAJOR_FACTOR * allowed else Grade.MAJOR
+    return Grade.MINOR if difference <= MAJOR_FACTOR * largest else Grade.MAJOR
 
 
 def compare_tables(new: pd.DataFrame, committed: pd.DataFrame) -> dict[str, tuple[Grade, str]]:
@@ -74,24 +74,22 @@ def _grade_column(both: pd.DataFrame, column: str) -> tuple[Grade, str]:
     old, new = both[f"{column}_committed"], both[f"{column}_new"]
     # Beside seconds, the ratio to the printed number is one of seconds.
     timed = column == "ratio" and "seconds_new" in both.columns
-    tolerance = TOLERANCES.get("seconds" if timed else column, DEFAULT)
-    if tolerance.relative is None:
+    allowed = tolerance("seconds" if timed else column)
+    if allowed.relative is None:
         measured = pd.to_numeric(new, errors="coerce")
         lost = int((measured.isna() & ~pd.to_numeric(old, errors="coerce").isna()).sum())
         if lost:
             return Grade.MISSING, f"{lost} numbers are not there"
-        return Grade.OK, f"present; not compared: {tolerance.reason}"
+        return Grade.OK, f"present; not compared: {allowed.reason}"
     if not all(is_numeric_dtype(c) and not is_bool_dtype(c) for c in (old, new)):
         differ = int((old.fillna("").astype(str) != new.fillna("").astype(str)).sum())
         return (Grade.MAJOR, f"{differ} texts differ") if differ else (Grade.OK, "same text")
-    grades = [grade(float(a), float(b), tolerance) for a, b in zip(new, old, strict=True)] or [
-        Grade.OK
-    ]
+    grades = [grade(float(a), float(b), allowed) for a, b in zip(new, old, strict=True)]
     difference = float(np.nanmax(np.abs(new - old).to_numpy(), initial=0.0))
-    allowed = f"{tolerance.relative:g} relative + {tolerance.absolute:g}"
-    return max(
-        grades
-    ), f"largest difference {difference:.2g}; allowed {allowed}: {tolerance.reason}"
+    return max(grades, default=Grade.OK), (
+        f"largest difference {difference:.2g}; allowed {allowed.relative:g} relative + "
+        f"{allowed.absolute:g}: {allowed.reason}"
+    )
 
 
 def compare_folders(new: Path, committed: Path) -> list[tuple[str, str, Grade, str]]:

@@ -1,37 +1,33 @@
 """How runs are called: in legends, in cells, in rows."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import xarray as xr
 
+from granstudy.analysis.groups import groups, keys, values_of
+
 TOLERANCE = ", rtol"
-
-
 SINGLE = ", single"
-
-
 ON_GPU = ", gpu"
 """What is added to the method of a run with a tolerance, in single precision, or on a GPU."""
+
+PAPERS_OWN = ("literal", "full")
+"""The method and the variant that reproduce the paper: before all others in tables, under them in figures."""
 
 
 def families(table: xr.Dataset) -> list[str]:
     """What each run of a table counts as on the front: its method, with `TOLERANCE`, `SINGLE`, `ON_GPU`."""
-
-    def along(name: str, absent: object) -> np.ndarray:
-        values = table[name].values if name in table.coords else np.array(absent)
-        return np.broadcast_to(values, table.sizes["run"])
-
     return [
         str(method)
         + TOLERANCE * bool(rtol > 0)
         + SINGLE * (precision == "single")
         + ON_GPU * (device == "gpu")
         for method, rtol, precision, device in zip(
-            along("method", ""),
-            along("rtol", -1.0),
-            along("precision", ""),
-            along("device", ""),
+            values_of(table, "method"),
+            values_of(table, "rtol", -1.0),
+            values_of(table, "precision"),
+            values_of(table, "device"),
             strict=True,
         )
     ]
@@ -47,23 +43,25 @@ def telling_apart(table: xr.Dataset) -> list[str]:
     names = [name for name in swept if np.unique(table[name].values).size > 1]
     for name in SAYS_LEAST:
         fewer = [other for other in names if other != name]
-        rows = {tuple(table[other].values[i] for other in fewer) for i in range(table.sizes["run"])}
-        if len(rows) == table.sizes["run"]:
+        if len(groups(keys(table, fewer))) == table.sizes["run"]:
             names = fewer
     return names
 
 
-def parameter_text(name: str, value: object, symbol: str = "") -> str:
+def parameter_text(name: str, value: object, called: str) -> str:
     """A parameter as a label says it: ``N = 32``, ``rescaled``, ``conserve mass``."""
     if isinstance(value, str):
         return f"{name} {value}" if name == "conserve" else value
-    return f"{symbol or name} = {value:g}"
+    return f"{called} = {value:g}"
 
 
-def run_text(parameters: Mapping[str, object], symbols: Mapping[str, str] = {}) -> str:
-    """Parameters of a run as a label says them; "" stands for one that the run does not have."""
+def run_text(parameters: Mapping[str, object], called: Callable[[str], str] = str) -> str:
+    """Parameters of a run as a label says them, without those that are "": the run lacks them.
+
+    ``called`` gives the name that the label has for a parameter.
+    """
     return ", ".join(
-        parameter_text(name, value, symbols.get(name, ""))
+        parameter_text(name, value, called(name))
         for name, value in parameters.items()
         if value != ""
     )

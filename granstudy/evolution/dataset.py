@@ -15,7 +15,7 @@ from granstudy.datasets.run_dataset import (
 from granstudy.support.variables import labelled
 from granstudy.trust.exact_law import add_exact_law
 from granstudy.trust.health import health_variables
-from granstudy.velocity.moments import DIMENSIONS, FRAME_LONG_NAMES, LONG_NAMES
+from granstudy.velocity.moments import FRAME, MOMENTS, Quantity
 from granstudy.velocity.space import VelocitySpace
 
 
@@ -46,14 +46,14 @@ def evolution_dataset(
     rescaled : bool
         Whether the frame is rescaled.
     """
-    names = LONG_NAMES | (FRAME_LONG_NAMES if rescaled else {})
+    quantities: dict[str, Quantity] = {**MOMENTS, **(FRAME if rescaled else {})}
     data: dict[str, Any] = {
         name: labelled(
             np.array([values[name] for values in record.moments]),
-            long_name,
-            ("time", *DIMENSIONS.get(name, ())),
+            quantity.long_name,
+            ("time", *quantity.dimensions),
         )
-        for name, long_name in names.items()
+        for name, quantity in quantities.items()
     }
     ds = xr.Dataset(data, coords=time_axes(grid.dim, record.times))
     add_exact_law(ds, header.scene)

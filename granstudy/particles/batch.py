@@ -1,8 +1,8 @@
 """One batch of particles: its collisions, its heating, its moments (docs/particles.md §1, §3)."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -76,6 +76,55 @@ class Gas:
         return float(min(split, COLLISIONS_A_STEP / nu))
 
 
+class Averages(NamedTuple):
+    """Averages over the particles of a batch.
+
+    Attributes
+    ----------
+    density : float
+        ρ of the gas.
+    velocity : ndarray, shape (d,)
+        u.
+    second : ndarray, shape (d, d)
+        ⟨cc⟩, c the velocity about u.
+    fourth : float
+        ⟨|c|⁴⟩.
+    """
+
+    density: float
+    velocity: np.ndarray
+    second: np.ndarray
+    fourth: float
+
+    @property
+    def dim(self) -> int:
+        """Velocity dimension d."""
+        return len(self.velocity)
+
+    @property
+    def temperature(self) -> Any:
+        """T = tr⟨cc⟩/d."""
+        return np.trace(self.second) / self.dim
+
+    @property
+    def energy(self) -> Any:
+        """E = ½ρ(dT + |u|²)."""
+        u = self.velocity
+        return 0.5 * self.density * (self.dim * self.temperature + u @ u)
+
+
+BATCH_MOMENTS: dict[str, Callable[[Averages], Any]] = {
+    "density": lambda a: a.density,
+    "velocity": lambda a: a.velocity,
+    "energy": lambda a: a.energy,
+    "temperature": lambda a: a.temperature,
+    "paper_temperature": lambda a: 2.0 * a.energy / a.dim,
+    "pressure": lambda a: a.density * a.second,
+    "a2": lambda a: a.fourth / (a.dim * (a.dim + 2) * a.temperature**2) - 1.0,
+}
+"""The moments of `granstudy.velocity.moments.MOMENTS` by particles; a new one is a new row."""
+
+
 class Batch:
     """n particles, which advance in time by random numbers of their own.
 
@@ -102,23 +151,13 @@ class Batch:
 
     def moments(self) -> dict[str, Any]:
         """Moments as of `granstudy.velocity.moments`, and collisions that a particle has had, on average."""
-        gas, d = self.gas, self.gas.dim
+        d = self.gas.dim
         mean, second, fourth = means(self.c)
-        u = (gas.velocity + mean)[:d]
-        temperature = np.trace(second) / d
-        energy = 0.5 * gas.density * (d * temperature + u @ u)
+        velocity = (self.gas.velocity + mean)[:d]
+        averages = Averages(self.gas.density, velocity, second[:d, :d], fourth)
         with np.errstate(all="ignore"):  # a gas at rest has no a2
-            kurtosis_excess = fourth / (d * (d + 2) * temperature**2) - 1.0
-        return {
-            "density": gas.density,
-            "velocity": u,
-            "energy": energy,
-            "temperature": temperature,
-            "paper_temperature": 2.0 * energy / d,
-            "pressure": gas.density * second[:d, :d],
-            "a2": kurtosis_excess,
-            "collisions": 2.0 * self.collisions / len(self.c),
-        }
+            values = {name: value(averages) for name, value in BATCH_MOMENTS.items()}
+        return values | {"collisions": 2.0 * self.collisions / len(self.c)}
 
     def advance(self, duration: float) -> None:
         """Advance by ``duration``: collisions, in turn with heating by Strang's splitting.

@@ -17,11 +17,14 @@ from granstudy.support.errors import unknown_name
 from granstudy.support.variables import labelled
 from granstudy.trust.exact_law import add_exact_law
 from granstudy.trust.health import health_variables
-from granstudy.velocity.moments import DIMENSIONS, LONG_NAMES
+from granstudy.velocity.moments import MOMENTS, Quantity
 from granstudy.velocity.space import VelocitySpace
 
 BY_BATCH = ("temperature", "a2")
 """Moments whose values in every batch are kept."""
+
+COUNTS = {"collisions": Quantity("collisions that a particle has had")}
+"""What particles count beside the moments."""
 
 
 def particle_dataset(
@@ -54,17 +57,18 @@ def particle_dataset(
     --------
     granstudy.evolution.dataset.evolution_dataset : explains the variables on exact laws.
     """
-    long_names = LONG_NAMES | {"collisions": "collisions that a particle has had"}
+    quantities = {**MOMENTS, **COUNTS}
     data: dict[str, Any] = {}
     for name, values in by_batch.items():
-        dims = ("time", *DIMENSIONS.get(name, ()))
-        data[name] = labelled(values.mean(axis=0), long_names[name], dims)
+        quantity = quantities[name]
+        dims = ("time", *quantity.dimensions)
+        data[name] = labelled(values.mean(axis=0), quantity.long_name, dims)
         data[f"{name}_standard_error"] = labelled(
             standard_error(values), f"standard error of {name} over batches", dims
         )
         if name in BY_BATCH:
             data[f"{name}_by_batch"] = labelled(
-                values.T, f"{long_names[name]}, of each batch", ("time", "batch")
+                values.T, f"{quantity.long_name}, of each batch", ("time", "batch")
             )
     batches = next(iter(by_batch.values())).shape[0]
     axes = time_axes(grid.dim, times) | {"batch": np.arange(batches)}

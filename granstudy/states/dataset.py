@@ -19,20 +19,22 @@ from granstudy.states.tail import tail_slope
 from granstudy.support.variables import labelled
 from granstudy.trust.flags import Status
 from granstudy.trust.health import sign_variables, trust_variable, verdict
-from granstudy.velocity.moments import COMPONENTS, DIMENSIONS
+from granstudy.velocity.moments import COMPONENTS, Quantity
 from granstudy.velocity.space import VelocitySpace
 
-LONG_NAMES = {
-    "density": "density ρ",
-    "velocity": "bulk velocity u",
-    "temperature": "temperature T",
-    "a2": "kurtosis excess a2",
-    "a3": "sixth-order Sonine coefficient a3 = 1 + 3a2 − ⟨|v−u|⁶⟩/(d(d+2)(d+4)T³)",
-    "cooling_rate": "rate −T'/T of the cooling by collisions",
-    "cooling_coefficient": "K of the cooling by collisions, T' = −ρK T^{1+λ/2}",
-    "velocity_scale": "velocity scale θ, v = u + θc",
-    "mass_loss": "rate at which mass leaves the grid, over s: what is put back in the shape of g",
-    "minimum": "smallest value of the density on the grid",
+QUANTITIES = {
+    "density": Quantity("density ρ"),
+    "velocity": Quantity("bulk velocity u", ("component",)),
+    "temperature": Quantity("temperature T"),
+    "a2": Quantity("kurtosis excess a2"),
+    "a3": Quantity("sixth-order Sonine coefficient a3 = 1 + 3a2 − ⟨|v−u|⁶⟩/(d(d+2)(d+4)T³)"),
+    "cooling_rate": Quantity("rate −T'/T of the cooling by collisions"),
+    "cooling_coefficient": Quantity("K of the cooling by collisions, T' = −ρK T^{1+λ/2}"),
+    "velocity_scale": Quantity("velocity scale θ, v = u + θc"),
+    "mass_loss": Quantity(
+        "rate at which mass leaves the grid, over s: what is put back in the shape of g"
+    ),
+    "minimum": Quantity("smallest value of the density on the grid"),
 }
 """The numbers of a state, and their long names."""
 
@@ -70,8 +72,8 @@ def state_dataset(
     )
     ds = on_scaled_velocities(held, grid.axes).assign(
         {
-            name: labelled(values[name], long_name, DIMENSIONS.get(name, ()))
-            for name, long_name in LONG_NAMES.items()
+            name: labelled(values[name], quantity.long_name, quantity.dimensions)
+            for name, quantity in QUANTITIES.items()
         }
     )
     ds = ds.assign_coords(component=list(COMPONENTS[: grid.dim]))
@@ -91,7 +93,7 @@ def state_dataset(
 def state_values(
     scene: Scene, gas: Gas, equation: SteadyEquation, found: Solution, heated: bool
 ) -> dict[str, Any]:
-    """The numbers of a state, by the names of `LONG_NAMES`."""
+    """The numbers of a state, by the names of `QUANTITIES`."""
     exponent = scene.kernel.exponent
     g, s, m = equation.split(found.x)
     # T_Q = 2sT_g balances s∇c·(c g): collisions cool at s < 0. T_Q = −2s balances sΔg: they cool at s > 0.

@@ -20,7 +20,6 @@ from granstudy.model.restitution import Restitution
 from granstudy.model.scene import Scene
 from granstudy.quadrature.deflection import deflections
 from granstudy.velocity.cartesian import VelocityGrid
-from granstudy.velocity.radial import RadialGrid
 from granstudy.velocity.space import VelocitySpace
 from granstudy.velocity.sphere import sphere_area
 
@@ -184,21 +183,26 @@ class _CartesianPairs:
 
 
 class _RadialPairs:
-    """Sums over pairs of speeds, each with the mean over the angle between the velocities."""
+    """Sums over pairs of speeds, each with the mean over the angle between the velocities.
 
-    def __init__(self, scene: Scene, grid: RadialGrid) -> None:
+    The grid is known by its nodes and weights alone, so that runs on a Cartesian grid do not depend on the
+    radial one.
+    """
+
+    def __init__(self, scene: Scene, grid: VelocitySpace) -> None:
         x, w = np.polynomial.legendre.leggauss(ANGLES)
         if grid.dim == 2:
             x = np.cos(np.pi / 2 * (x + 1))
-        r = grid.nodes[:, None]
+        speeds, weights = grid.velocities()[0], np.asarray(grid.measure)
+        r = speeds[:, None]
         V, V_ = r**2, r.T**2
-        forms = np.zeros((3, grid.N, grid.N))
+        forms = np.zeros((3, speeds.size, speeds.size))
         for cosine, weight in zip(x, w / 2, strict=True):
             rho = np.sqrt(np.maximum(V + V_ - 2.0 * cosine * r * r.T, 0.0))
             K = PairWeights(*(a.reshape(rho.shape) for a in pair_weights(scene, rho.ravel())))
             fourth = K.constant + K.linear * (V + V_) / 2 + K.square * (V - V_) ** 2
             forms += weight * np.array([K.frequency, K.energy, fourth])
-        self._forms = grid.weights[:, None] * forms * grid.weights
+        self._forms = weights[:, None] * forms * weights
 
     def energy(self, f: np.ndarray) -> float:
         """∫∫ of Δ½(V+V*) f f*."""
@@ -214,9 +218,7 @@ def _pairs(scene: Scene, grid: VelocitySpace) -> _CartesianPairs | _RadialPairs:
     """The sums over pairs on a grid of either kind."""
     if isinstance(grid, VelocityGrid):
         return _CartesianPairs(scene, grid)
-    if isinstance(grid, RadialGrid):
-        return _RadialPairs(scene, grid)
-    raise TypeError(f"grid={grid!r}: must be a VelocityGrid or a RadialGrid")
+    return _RadialPairs(scene, grid)
 
 
 def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:

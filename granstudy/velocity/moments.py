@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from granstudy.support.variables import labelled
 from granstudy.velocity.space import VelocityMoments, VelocitySpace, check_shape
 
 COMPONENTS = ("x", "y", "z")
@@ -14,25 +15,35 @@ COMPONENTS = ("x", "y", "z")
 
 
 @dataclass(frozen=True)
-class Moment:
-    """One moment of a density on a grid.
+class Quantity:
+    """A dimensionless quantity that a run records.
 
     Attributes
     ----------
     long_name : str
+    dimensions : tuple of str
+        Dimensions of a vector or a tensor.
+    """
+
+    long_name: str
+    dimensions: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Moment(Quantity):
+    """One moment of a density on a grid.
+
+    Attributes
+    ----------
     value : callable
         (integrals over velocity, f, grid) ↦ the moment.
     scaled : callable or None
         (the moment of g, θ, d) ↦ the moment of f(v) = θ^{−d} g((v−u)/θ), which keeps ρ. None where the bulk
         velocity counts too (`granstudy.evolution.frames.physical`).
-    dimensions : tuple of str
-        Of a vector or a tensor.
     """
 
-    long_name: str
     value: Callable[[VelocityMoments, np.ndarray, VelocitySpace], Any]
     scaled: Callable[[Any, float, int], Any] | None = lambda value, theta, d: value
-    dimensions: tuple[str, ...] = ()
 
 
 def temperature(m: VelocityMoments, d: int) -> Any:
@@ -41,57 +52,50 @@ def temperature(m: VelocityMoments, d: int) -> Any:
 
 
 MOMENTS: dict[str, Moment] = {
-    "density": Moment("density ρ = ∫f dv", lambda m, f, grid: m.density),
+    "density": Moment("density ρ = ∫f dv", value=lambda m, f, grid: m.density),
     "velocity": Moment(
         "bulk velocity u = ∫v f dv / ρ",
-        lambda m, f, grid: m.momentum / m.density,
+        ("component",),
+        value=lambda m, f, grid: m.momentum / m.density,
         scaled=None,
-        dimensions=("component",),
     ),
-    "energy": Moment("energy E = ½∫|v|² f dv", lambda m, f, grid: m.energy, scaled=None),
+    "energy": Moment("energy E = ½∫|v|² f dv", value=lambda m, f, grid: m.energy, scaled=None),
     "temperature": Moment(
         "temperature T = ∫|v−u|² f dv / (dρ)",
-        lambda m, f, grid: temperature(m, grid.dim),
+        value=lambda m, f, grid: temperature(m, grid.dim),
         scaled=lambda T, theta, d: theta**2 * T,
     ),
     "paper_temperature": Moment(
         "2E/d, the paper's temperature: not divided by density, u taken as 0",
-        lambda m, f, grid: 2.0 * m.energy / grid.dim,
+        value=lambda m, f, grid: 2.0 * m.energy / grid.dim,
         scaled=None,
     ),
     "pressure": Moment(
         "pressure tensor P = ∫(v−u)(v−u) f dv",
-        lambda m, f, grid: m.pressure,
+        ("component", "component_"),
+        value=lambda m, f, grid: m.pressure,
         scaled=lambda P, theta, d: theta**2 * P,
-        dimensions=("component", "component_"),
     ),
     "a2": Moment(
         "kurtosis excess a2 = d/(d+2) ⟨|v−u|⁴⟩/⟨|v−u|²⟩² − 1",
-        lambda m, f, grid: (
+        value=lambda m, f, grid: (
             m.fourth / m.density / (grid.dim * (grid.dim + 2) * temperature(m, grid.dim) ** 2) - 1.0
         ),
     ),
     "minimum": Moment(
         "smallest value of the density on the grid",
-        lambda m, f, grid: f.min(),
+        value=lambda m, f, grid: f.min(),
         scaled=lambda minimum, theta, d: minimum / theta**d,
     ),
 }
 """All moments that a run records (paper eqs. 19 to 21), in the order of a dataset; a new one is a new row."""
 
-LONG_NAMES = {name: moment.long_name for name, moment in MOMENTS.items()}
-
-FRAME_LONG_NAMES = {
-    "velocity_scale": "velocity scale θ of the rescaled frame, v = u + θc",
-    "frame_velocity": "velocity u of the rescaled frame",
-    "collision_time": "collision time τ = ∫θ^λ dt",
+FRAME = {
+    "velocity_scale": Quantity("velocity scale θ of the rescaled frame, v = u + θc"),
+    "frame_velocity": Quantity("velocity u of the rescaled frame", ("component",)),
+    "collision_time": Quantity("collision time τ = ∫θ^λ dt"),
 }
-"""Position of a rescaled frame, with long names in a dataset (docs/method.md §5)."""
-
-DIMENSIONS: dict[str, tuple[str, ...]] = {
-    name: moment.dimensions for name, moment in MOMENTS.items() if moment.dimensions
-} | {"frame_velocity": ("component",)}
-"""Dimensions of the moments that are not scalars."""
+"""Position of a rescaled frame (docs/method.md §5)."""
 
 
 def moments(f: np.ndarray, grid: VelocitySpace) -> xr.Dataset:
@@ -106,7 +110,7 @@ def moments(f: np.ndarray, grid: VelocitySpace) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        The variables of `LONG_NAMES`, all dimensionless: `velocity` over ``component``, `pressure` over
+        The variables of `MOMENTS`, all dimensionless: `velocity` over ``component``, `pressure` over
         ``component`` × ``component_``.
 
     Raises
@@ -119,8 +123,8 @@ def moments(f: np.ndarray, grid: VelocitySpace) -> xr.Dataset:
     components = list(COMPONENTS[: grid.dim])
     return xr.Dataset(
         {
-            name: (DIMENSIONS.get(name, ()), value, {"long_name": LONG_NAMES[name], "units": "1"})
-            for name, value in values.items()
+            name: labelled(values[name], moment.long_name, moment.dimensions)
+            for name, moment in MOMENTS.items()
         },
         coords={"component": components, "component_": components},
     )

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import granstudy as gs
-from granstudy.velocity.moments import LONG_NAMES
+from granstudy.velocity.moments import MOMENTS
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -14,7 +14,7 @@ def test_moments_of_a_maxwellian(dim):
     u = (0.5, -0.25, 0.75)[:dim]
     scene = gs.load_scene(f"maxwellian{dim}d", temperature=0.8, velocity=u)
     m = gs.moments(scene.density(grid), grid)
-    assert set(m.data_vars) == set(LONG_NAMES)
+    assert set(m.data_vars) == set(MOMENTS)
     assert all({"long_name", "units"} <= set(m[name].attrs) for name in m.data_vars)
     assert float(m.density) == pytest.approx(1.0, abs=1e-10)
     assert m.velocity.sel(component="y").item() == pytest.approx(-0.25, abs=1e-10)

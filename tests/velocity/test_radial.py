@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import granstudy as gs
-from granstudy.velocity.moments import LONG_NAMES
+from granstudy.velocity.moments import MOMENTS
 
 
 def bkw(dim):
@@ -32,7 +32,7 @@ def test_moments_of_a_maxwellian(dim):
     grid = gs.RadialGrid(dim, 36, 9.0)
     scene = gs.load_scene(f"maxwellian{dim}d", temperature=0.8)
     m = gs.moments(scene.density(grid), grid)
-    assert set(m.data_vars) == set(LONG_NAMES)
+    assert set(m.data_vars) == set(MOMENTS)
     assert float(m.density) == pytest.approx(1.0, abs=1e-12)
     assert float(m.temperature) == pytest.approx(0.8, abs=1e-12)
     assert float(m.energy) == pytest.approx(dim / 2 * 0.8, abs=1e-12)
@@ -45,7 +45,7 @@ def test_moments_of_a_maxwellian(dim):
 def test_moments_equal_those_on_the_cartesian_grid(dim):
     radial, cartesian = gs.RadialGrid(dim, 40, 9.0), gs.VelocityGrid(dim, 48, 9.0)
     m, n = (gs.moments(bkw(dim).density(grid), grid) for grid in (radial, cartesian))
-    for name in set(LONG_NAMES) - {"minimum"}:
+    for name in set(MOMENTS) - {"minimum"}:
         np.testing.assert_allclose(m[name], n[name], atol=1e-9, err_msg=name)
 
 

@@ -1,36 +1,45 @@
-"""Temperature over time beside Haff's law."""
+"""Temperature over time beside Haff's law, and over decades of time."""
 
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.figure import Figure
 
-from granstudy.analysis.columns import SYMBOLS
-from granstudy.analysis.figures.lines import _distinguishing
+from granstudy.analysis.columns import symbol
+from granstudy.analysis.figures.lines import distinguishing
 from granstudy.analysis.figures.style import COLOURS, MARKERS, PANEL_HEIGHT, WIDTH
+from granstudy.analysis.source import FigureSource
 from granstudy.analysis.tables.fits import local_slope
 from granstudy.datasets.open_runs import open_runs
 from granstudy.theory import haff_temperature
 
+SAMPLES = 20
+"""Markers of a run: the line between them is the fit's, and the two must be told apart."""
 
-def _cooling(table: xr.Dataset, run_files: list[str]) -> Figure:
+ASKED = 1e-3
+"""The distance from −2/λ that the local slope is asked to come to."""
+
+STYLES = ("-", "--", ":", "-.")
+"""Line styles of the runs of a gas."""
+
+
+def draw_cooling(source: FigureSource) -> Figure:
     """Draw T(t) with the fitted Haff laws; beside it √(T0/T) − 1, which Haff's law makes C0 t."""
+    table = source.table
     figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 0.4), layout="constrained")
     left, right = figure.subplots(1, 2)
-    names = _distinguishing(table, table.attrs["swept"].split())
-    with open_runs(run_files, densities=False) as runs:
+    names = distinguishing(table, table.attrs["swept"].split())
+    with open_runs(source.row_files, densities=False) as runs:
         time, T = runs["time"].values, runs["temperature"].values
+    every = max(1, time.size // SAMPLES)
+    sampled = np.unique(np.geomspace(1, time.size - 1, SAMPLES).astype(int))
     for i in range(table.sizes["run"]):
         colour = COLOURS[i % len(COLOURS)]
-        label = ", ".join(f"{SYMBOLS.get(n, n)} = {table[n].values[i]}" for n in names)
+        label = ", ".join(f"{symbol(n)} = {table[n].values[i]}" for n in names)
         T0 = T[i, 0]
-        # twenty markers: the line between them is the fit's, and the two must be told apart
-        every = max(1, time.size // 20)
         look: dict[str, Any] = {"color": colour, "linestyle": "none", "marker": MARKERS[i % 4]}
         look |= {"markersize": 4.0, "markerfacecolor": "white"}
         left.plot(time[::every], T[i, ::every], label=label, **look)
-        sampled = np.unique(np.geomspace(1, time.size - 1, 20).astype(int))
         right.plot(time[sampled], np.sqrt(T0 / T[i, sampled]) - 1.0, **look)
         if "C0" in table:
             C0 = table["C0"].values[i]
@@ -38,7 +47,7 @@ def _cooling(table: xr.Dataset, run_files: list[str]) -> Figure:
             dashed: dict[str, Any] = {"color": colour, "linestyle": "--", "linewidth": 1.2}
             left.plot(time, haff_temperature(time, T0, C0), label=law, **dashed)
             right.plot(time[sampled], C0 * time[sampled], **dashed)
-    left.set(xlabel="$t$", ylabel="$T$", ylim=(0.0, None), xlim=(0.0, None))
+    left.set(xlabel="$t$", ylabel=symbol("temperature"), ylim=(0.0, None), xlim=(0.0, None))
     left.set_title("temperature and fitted Haff laws")
     left.legend()
     right.set(xlabel="$t$", ylabel=r"$\sqrt{T_0/T} - 1$", xscale="log", yscale="log")
@@ -46,29 +55,22 @@ def _cooling(table: xr.Dataset, run_files: list[str]) -> Figure:
     return figure
 
 
-ASKED = 1e-3
-"""The distance from −2/λ that the local slope is asked to come to."""
-
-
-STYLES = ("-", "--", ":", "-.")
-"""Of the runs of a gas."""
-
-
-def draw_slope(table: xr.Dataset, run_files: list[str]) -> Figure:
+def draw_slope(source: FigureSource) -> Figure:
     """Draw T(t) on logarithmic axes; beside it |d ln T/d ln t + 2/λ|, which falls as 1/t.
 
     A colour a gas (e), a line style for each of its runs, so that runs that agree are both seen.
     """
+    table = source.table
     figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 1.0), layout="constrained")
     left, right = figure.subplots(1, 2)
     law = -2.0 / float(table["exponent"])
-    with open_runs(run_files, densities=False) as runs:
+    with open_runs(source.row_files, densities=False) as runs:
         time, T = runs["time"].values[1:], runs["temperature"].values[:, 1:]
     gases = list(dict.fromkeys(table["e"].values.tolist()))
     seen = dict.fromkeys(gases, 0)
     for i in range(table.sizes["run"]):
         e = table["e"].values[i].item()
-        style, label = STYLES[seen[e] % len(STYLES)], f"{SYMBOLS['e']} = {e:g}"
+        style, label = STYLES[seen[e] % len(STYLES)], f"{symbol('e')} = {e:g}"
         if "method" in table.attrs["swept"].split():
             label += f", {table['method'].values[i]}"
         look = {"color": COLOURS[gases.index(e) % len(COLOURS)], "linewidth": 1.6 + seen[e]}
@@ -77,7 +79,7 @@ def draw_slope(table: xr.Dataset, run_files: list[str]) -> Figure:
         at, slope = local_slope(time, T[i])
         right.plot(at, np.abs(slope - law), style, **look)
     right.axhline(ASKED, color="0.6", linewidth=0.8)
-    left.set(xlabel="$t$", ylabel="$T$", xscale="log", yscale="log")
+    left.set(xlabel="$t$", ylabel=symbol("temperature"), xscale="log", yscale="log")
     left.set_title("temperature")
     right.set(xlabel="$t$", xscale="log", yscale="log")
     right.set_ylabel(rf"$|\mathrm{{d}}\,\ln T/\mathrm{{d}}\,\ln t + {-law:g}|$")

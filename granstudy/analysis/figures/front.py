@@ -1,4 +1,4 @@
-"""The front of speed against error as a figure: a panel a scene."""
+"""The front of speed against error as a figure: a panel a scene, or a panel a measure of whole runs."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -9,28 +9,31 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from granstudy.analysis.columns import SYMBOLS
-from granstudy.analysis.figures.style import (
-    MARKERS,
-    METHOD_COLOURS,
-    METHODS_FIRST,
-    PANEL_HEIGHT,
-    WIDTH,
-)
+from granstudy.analysis.columns import symbol
+from granstudy.analysis.figures.style import PANEL_HEIGHT, WIDTH, FamilyStyle, family_styles
 from granstudy.analysis.labels import families
+from granstudy.analysis.source import FigureSource
 from granstudy.study.benchmark.front import fastest_within, on_front
 from granstudy.trust.flags import Status
 
 COLUMNS = 2
+"""Panels side by side."""
+
 FRONT = "front: none is faster at that error"
 BASELINE = "baseline, and the fastest at its error"
-RUN_ERRORS = {
-    "largest_temperature_error": r"largest $|T/T_\mathrm{true} - 1|$",
-    "largest_a2_error": r"largest $|a_2 - a_{2,\mathrm{true}}|$",
-}
+
+RUN_ERRORS = ("largest_temperature_error", "largest_a2_error")
+"""Errors of runs beside a truth, a panel each."""
 
 
-def draw_front(tables: Sequence[xr.Dataset]) -> Figure:
+def draw_front(source: FigureSource) -> Figure:
+    """Draw time against error: of benchmarks a panel a table, of runs beside a truth a panel a measure."""
+    if "truth" in source.table.attrs:
+        return run_front(source.table)
+    return benchmark_front([source.table, *source.beside])
+
+
+def benchmark_front(tables: Sequence[xr.Dataset]) -> Figure:
     """Draw seconds against error of every run on all threads, a panel a table.
 
     Parameters
@@ -53,25 +56,25 @@ def draw_front(tables: Sequence[xr.Dataset]) -> Figure:
     size = (WIDTH * (1.0 if columns > 1 else 0.75), PANEL_HEIGHT * rows + 1.1)
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False)
-    shown: set[str] = set()
-    for ax, table in zip(axes.flat, tables, strict=False):
-        part = table.isel(run=_timed_on_all_threads(table))
-        shown |= set(families(part))
-        _panel(ax, part)
+    parts = [table.isel(run=_timed_on_all_threads(table)) for table in tables]
+    styles = family_styles(name for part in parts for name in families(part))
+    for ax, table, part in zip(axes.flat, tables, parts, strict=False):
+        _lines(ax, part, part["error"].values, part["front"].values, styles)
+        _mark_baseline(ax, part)
         if len(tables) > 1:
             ax.set_title(table.attrs["title"])
     for ax in axes.flat[len(tables) :]:
         ax.set_axis_off()
     for ax in axes[-1]:
-        ax.set_xlabel(SYMBOLS["error"])
+        ax.set_xlabel(symbol("error"))
     for ax in axes[:, 0]:
-        ax.set_ylabel(SYMBOLS["seconds"])
-    handles = [*_handles(shown), Line2D([], [], label=BASELINE, **_ring())]
+        ax.set_ylabel(symbol("seconds"))
+    handles = [*_handles(styles), Line2D([], [], label=BASELINE, **_ring())]
     figure.legend(handles=handles, loc="outside lower center", ncols=3 if columns > 1 else 2)
     return figure
 
 
-def draw_run_front(table: xr.Dataset) -> Figure:
+def run_front(table: xr.Dataset) -> Figure:
     """Draw how long runs took against their errors of T and of a2, a panel each.
 
     Parameters
@@ -89,13 +92,13 @@ def draw_run_front(table: xr.Dataset) -> Figure:
     table = table.isel(run=np.flatnonzero(table["status"] == Status.OK))
     figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 0.9), layout="constrained")
     axes = figure.subplots(1, 2, sharey=True)
-    seconds = table["seconds"].values
-    for ax, (measure, label) in zip(axes, RUN_ERRORS.items(), strict=True):
+    styles = family_styles(families(table))
+    for ax, measure in zip(axes, RUN_ERRORS, strict=True):
         error = table[measure].values
-        _lines(ax, families(table), error, seconds, on_front(seconds, error))
-        ax.set_xlabel(label)
+        _lines(ax, table, error, on_front(table["seconds"].values, error), styles)
+        ax.set_xlabel(symbol(measure))
     axes[0].set_ylabel("time of the run (s)")
-    figure.legend(handles=_handles(set(families(table))), loc="outside lower center", ncols=4)
+    figure.legend(handles=_handles(styles), loc="outside lower center", ncols=4)
     return figure
 
 
@@ -105,22 +108,20 @@ def _timed_on_all_threads(table: xr.Dataset) -> list[int]:
     return np.flatnonzero((most & np.isfinite(table["error"])).values).tolist()
 
 
-def _panel(ax: Axes, table: xr.Dataset) -> None:
-    """Draw the runs of a scene, the front through them, and what the baseline is beaten by."""
-    error, seconds = table["error"].values, table["seconds"].values
-    _lines(ax, families(table), error, seconds, table["front"].values)
-    _mark_baseline(ax, table)
-
-
 def _lines(
-    ax: Axes, names: list[str], error: np.ndarray, seconds: np.ndarray, best: np.ndarray
+    ax: Axes,
+    table: xr.Dataset,
+    error: np.ndarray,
+    best: np.ndarray,
+    styles: dict[str, FamilyStyle],
 ) -> None:
     """Draw a line for each family, and the front through the best runs."""
-    family = np.array(names)
-    for name in sorted(set(family), key=lambda name: METHODS_FIRST[name]):
+    seconds, family = table["seconds"].values, np.array(families(table))
+    for name, style in styles.items():
         own = np.flatnonzero(family == name)
         order = own[np.argsort(error[own])]
-        ax.plot(error[order], seconds[order], linewidth=0.8, **_look(name))
+        if own.size:
+            ax.plot(error[order], seconds[order], linewidth=0.8, **_look(style))
     front = np.flatnonzero(best)
     front = front[np.argsort(error[front])]
     ax.plot(error[front], seconds[front], drawstyle="steps-post", **_front_look())
@@ -154,9 +155,8 @@ def _mark_baseline(ax: Axes, table: xr.Dataset) -> None:
     )
 
 
-def _look(name: str) -> dict[str, Any]:
-    marker = MARKERS[METHODS_FIRST[name] % len(MARKERS)]
-    return {"color": METHOD_COLOURS[name], "marker": marker, "markersize": 5.0, "zorder": 3}
+def _look(style: FamilyStyle) -> dict[str, Any]:
+    return {"color": style.colour, "marker": style.marker, "markersize": 5.0, "zorder": 3}
 
 
 def _front_look() -> dict[str, Any]:
@@ -174,9 +174,9 @@ def _ring() -> dict[str, Any]:
     }
 
 
-def _handles(shown: set[str]) -> list[Line2D]:
-    """Legend: the methods shown, the front."""
-    names = sorted(shown, key=lambda name: METHODS_FIRST[name])
-    handles = [Line2D([], [], label=name, linewidth=0.8, **_look(name)) for name in names]
-    handles.append(Line2D([], [], label=FRONT, **_front_look()))
-    return handles
+def _handles(styles: dict[str, FamilyStyle]) -> list[Line2D]:
+    """Legend: the families shown, the front."""
+    handles = [
+        Line2D([], [], label=name, linewidth=0.8, **_look(style)) for name, style in styles.items()
+    ]
+    return [*handles, Line2D([], [], label=FRONT, **_front_look())]

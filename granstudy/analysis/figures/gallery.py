@@ -1,6 +1,6 @@
 """A hard case as a figure: T and a2 over time and the last density, of every run and of the truth."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -8,14 +8,14 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from granstudy.analysis.columns import SYMBOLS
+from granstudy.analysis.columns import symbol
 from granstudy.analysis.figures.style import COLOURS, PANEL_HEIGHT, WIDTH
+from granstudy.analysis.groups import keys
 from granstudy.analysis.labels import run_text, telling_apart
-from granstudy.analysis.tables.truth import truth_of
+from granstudy.analysis.source import FigureSource
+from granstudy.analysis.tables.truth import truth_model, truth_of
 from granstudy.datasets.netcdf import read_dataset
 from granstudy.evolution.frames.physical import physical_density
-from granstudy.study.run import Run
-from granstudy.study.schema.experiment import EvolutionExperiment
 from granstudy.trust.flags import flag_word
 from granstudy.trust.truth import Truth
 
@@ -26,39 +26,27 @@ LONG_AGO = 100.0
 """Time is drawn in its logarithm where the last output is so many times the first."""
 
 TIMES_OF_LAW = 200
+"""Times at which an exact law is drawn."""
 
 
-def draw_gallery(
-    table: xr.Dataset, rows: Sequence[tuple[Run, str]], files: Mapping[str, str]
-) -> Figure:
-    """Draw the runs of an experiment beside their truth, which is black.
-
-    Parameters
-    ----------
-    table : xarray.Dataset
-        From `granstudy.analysis.tables.table.experiment_table`.
-    rows : sequence of (Run, str)
-        The table's runs and their files, in its order.
-    files : dict of str
-        Files of all the experiment's runs, truths among them, by path.
-    """
+def draw_gallery(source: FigureSource) -> Figure:
+    """Draw the runs of an experiment beside their truth, which is black."""
     figure = Figure(figsize=(1.3 * WIDTH, PANEL_HEIGHT + 1.2), layout="constrained")
     panels = figure.subplots(1, 3)
-    names = telling_apart(table)
+    rows, files, names = source.rows, source.by_path, telling_apart(source.table)
     truths: dict[str, Truth] = {}
-    for i, (run, file) in enumerate(rows):
+    for i, ((run, file), key) in enumerate(zip(rows, keys(source.table, names), strict=True)):
         ds = read_dataset(file)
-        label = run_text({name: table[name].values[i] for name in names}, SYMBOLS)
         look: dict[str, Any] = {"color": COLOURS[i % len(COLOURS)], "zorder": 3}
         # What others agree with lies under them, wide and pale, so that both are seen.
         look |= {"linewidth": 1.3 + 0.8 * (len(rows) - 1 - i), "alpha": 0.85}
-        label = f"{label}: {flag_word('trust', ds['trust'])}{', stopped' * bool(int(ds['status']))}"
+        label = run_text(dict(zip(names, key, strict=True)), symbol)
+        label += f": {flag_word('trust', ds['trust'])}{', stopped' * bool(int(ds['status']))}"
         panels[0].plot(ds["time"], ds["temperature"], **look, label=label)
         panels[1].plot(ds["time"], ds["a2"], **look)
         _density(panels[2], ds, look)
-        assert isinstance(run.model, EvolutionExperiment) and run.model.truth is not None
         assert run.time is not None
-        by_law = run.model.truth.law is not None
+        by_law = truth_model(run).law is not None
         gas = str(run.scene.describe()) if by_law else run.truth.path
         if gas not in truths:
             truths[gas] = truth_of(run, files, _dense(run.time.recorded))

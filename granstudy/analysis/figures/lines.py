@@ -1,65 +1,64 @@
 """Runs as lines: which belong to one, how it looks, what it is called."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
-import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from granstudy.analysis.figures.style import (
-    COLOURS,
-    LABELS,
-    MARKERS,
-    METHOD_COLOURS,
-)
+from granstudy.analysis.figures.style import COLOURS, FAMILY_COLOURS, LABELS, MARKERS
+from granstudy.analysis.groups import groups, keys
+from granstudy.analysis.labels import PAPERS_OWN
+
+Line = tuple[str, ...]
+"""Values of the parameters that tell a line from others."""
 
 
-def _distinguishing(table: xr.Dataset, names: list[str]) -> list[str]:
+def distinguishing(table: xr.Dataset, names: Sequence[str]) -> list[str]:
     """Find the parameters that are needed to tell the lines apart."""
     kept = [name for name in names if name not in ("N_theta", "N_phi")]
     # What says least is left out first.
     for name in sorted(kept, key=lambda name: (name != "dt", name != "method")):
         fewer = [other for other in kept if other != name]
-        if len(list(_lines(table, fewer))) == len(list(_lines(table, kept))):
+        if len(groups(keys(table, fewer))) == len(groups(keys(table, kept))):
             kept = fewer
     return kept
 
 
-def _lines(table: xr.Dataset, names: list[str]) -> Iterator[tuple[tuple[str, ...], xr.Dataset]]:
+def lines(table: xr.Dataset, names: Sequence[str]) -> Iterator[tuple[Line, xr.Dataset]]:
     """Group runs with equal values of ``names``, by these values."""
-    keys = [tuple(str(table[name].values[i]) for name in names) for i in range(table.sizes["run"])]
-    for key in dict.fromkeys(keys):
-        yield key, table.isel(run=[i for i, other in enumerate(keys) if other == key])
+    for key, members in groups(keys(table, names)).items():
+        yield tuple(map(str, key)), table.isel(run=members)
 
 
-def _label(key: tuple[str, ...]) -> str:
-    return ", ".join(LABELS.get(value, value) for value in key)
+def label(line: Line) -> str:
+    """What a legend calls a line."""
+    return ", ".join(LABELS.get(value, value) for value in line)
 
 
-def _looks(keys: list[tuple[str, ...]]) -> dict[tuple[str, ...], dict[str, Any]]:
+def looks(found: Sequence[Line]) -> dict[Line, dict[str, Any]]:
     """Colour, marker and width of every line."""
-    looks: dict[tuple[str, ...], dict[str, Any]] = {}
-    for i, key in enumerate(keys):
-        method = next((value for value in key if value in METHOD_COLOURS), None)
+    styles: dict[Line, dict[str, Any]] = {}
+    for i, line in enumerate(found):
+        colours = [FAMILY_COLOURS[value] for value in line if value in FAMILY_COLOURS]
         # What others agree with lies under them, wide and pale, so that both are seen.
-        under = bool({"literal", "full"} & set(key)) and len(keys) == 2
-        looks[key] = {
-            "color": METHOD_COLOURS[method] if method else COLOURS[i % len(COLOURS)],
+        under = bool(set(PAPERS_OWN) & set(line)) and len(found) == 2
+        styles[line] = {
+            "color": colours[0] if colours else COLOURS[i % len(COLOURS)],
             "marker": "o" if under else MARKERS[i % len(MARKERS)],
             "linewidth": 4.0 if under else 1.4,
             "markersize": 8.0 if under else 4.5,
             "zorder": 2 if under else 3,
         }
-    return looks
+    return styles
 
 
-def _mark_values(ax: Axes, x: str, values: np.ndarray) -> None:
+def mark_values(ax: Axes, x: str, values: Sequence[float]) -> None:
     """Ticks where the runs are."""
     if x == "M_sph":
         return
     ax.set_xscale("log", base=2)
-    ax.xaxis.set_major_locator(FixedLocator(values.tolist()))
+    ax.xaxis.set_major_locator(FixedLocator(list(values)))
     ax.xaxis.set_minor_locator(NullLocator())
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

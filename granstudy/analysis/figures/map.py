@@ -10,14 +10,19 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from granstudy.analysis.figures.style import STYLE
-from granstudy.analysis.tables.map import MEASURES, rule_line
+from granstudy.analysis.tables.map import rule_line
 from granstudy.trust.flags import flag_word
 
 LABEL_COLOURS = {"trusted": "#A8DDB5", "marginal": "#FDE7A0", "untrusted": "#F4A6A0"}
 """Light enough for black numbers; the numbers say the same to readers who do not tell them apart."""
 
+ERRORS = ("largest_temperature_error", "largest_a2_error")
+"""The numbers of a cell."""
+
 CELL_WIDTH = 2.9
 LINE_HEIGHT = 0.27
+"""Width of a column and height of a run, in inches."""
+
 LETTERS = 52
 """How many fit into a cell; what is longer takes two lines, in smaller type."""
 
@@ -76,7 +81,7 @@ def _line(ax: Axes, row: xr.Dataset, x: float, y: float, height: float) -> None:
             zorder=2 if wrong else 1,
         )
     )  # fmt: skip
-    numbers = " | ".join(f"{float(row[name]):.0e}" for name in (MEASURES[0], MEASURES[2]))
+    numbers = " | ".join(f"{float(row[name]):.0e}" for name in ERRORS)
     variation = str(row["variation"].item())
     fits = len(variation) + len(numbers) < LETTERS
     text = f"{variation}:  {numbers}" if fits else f"{variation}:\n{numbers}"

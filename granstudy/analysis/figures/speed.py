@@ -5,49 +5,53 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from granstudy.analysis.columns import SYMBOLS
-from granstudy.analysis.figures.lines import _lines, _mark_values
-from granstudy.analysis.figures.style import (
-    METHOD_COLOURS,
-    METHODS_FIRST,
-    PANEL_HEIGHT,
-    PAPER,
-    PAPER_LOOK,
-    WIDTH,
-)
+from granstudy.analysis.columns import symbol
+from granstudy.analysis.figures.lines import lines, mark_values
+from granstudy.analysis.figures.style import PANEL_HEIGHT, PAPER, PAPER_LOOK, WIDTH, family_styles
 from granstudy.analysis.labels import families
+from granstudy.analysis.paper.printed import TIMED
+from granstudy.analysis.source import FigureSource
+from granstudy.model.methods import METHODS
+
+PAPERS_MARKERS = ("^", "D")
+"""Markers of the methods that the paper times."""
 
 
-def _speed(table: xr.Dataset) -> Figure:
+def draw_speed(source: FigureSource) -> Figure:
     """Draw seconds against N for every method, with one thread and with all."""
+    table = source.table
     figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 1.0), layout="constrained")
     ax = figure.subplots()
-    counts = np.unique(table["threads"]).tolist()
+    most = np.max(table["threads"].values)
     named = table.assign_coords(method=("run", families(table)))
-    for (method, threads), line in _lines(named, ["method", "threads"]):
-        all_threads = int(threads) == counts[-1]
+    styles = family_styles(named["method"].values)
+    places = []
+    for (method, threads), line in lines(named, ["method", "threads"]):
+        all_threads, colour = int(threads) == most, styles[method].colour
         plural = "thread" if threads == "1" else "threads"
         ax.plot(
             line["N"],
             line["seconds"],
-            color=METHOD_COLOURS[method],
+            color=colour,
             linestyle="-" if all_threads else "--",
             marker="o" if all_threads else "s",
-            markerfacecolor=METHOD_COLOURS[method] if all_threads else "white",
+            markerfacecolor=colour if all_threads else "white",
             label=f"{method}, {threads} {plural}",
         )
+        places.append(styles[method].place)
     if "paper" in table:
-        for name, marker, methods in (("direct", "^", ["direct"]), ("fast", "D", ["literal"])):
-            part = table.isel(run=np.flatnonzero(table["method"].isin(methods).values))
+        for (name, ours), marker in zip(TIMED.items(), PAPERS_MARKERS, strict=True):
+            part = table.isel(run=np.flatnonzero(table["method"].values == ours[0]))
             look = PAPER_LOOK | {"marker": marker, "markersize": 8.0}
             ax.plot(part["N"], part["paper"], label=f"{PAPER}, {name}, 10 cores", **look)
     _complexity_guide(ax, table)
     ax.set_yscale("log")
-    ax.set(xlabel=SYMBOLS["N"], ylabel=SYMBOLS["seconds"])
-    _mark_values(ax, "N", np.unique(table["N"]))
+    ax.set(xlabel=symbol("N"), ylabel=symbol("seconds"))
+    mark_values(ax, "N", np.unique(table["N"]).tolist())
     handles, labels = ax.get_legend_handles_labels()
     # Stable: ours by method, one thread before all, then the paper and the guide.
-    order = sorted(range(len(labels)), key=lambda i: METHODS_FIRST.get(labels[i].split(",")[0], 9))
+    places += [max(places) + 1] * (len(labels) - len(places))
+    order = np.argsort(places, kind="stable")
     ax.legend(
         [handles[i] for i in order],
         [labels[i] for i in order],
@@ -58,8 +62,9 @@ def _speed(table: xr.Dataset) -> Figure:
 
 
 def _complexity_guide(ax: Axes, table: xr.Dataset) -> None:
-    """Draw N⁴ log N, the cost of the fast method in 3D, below the fastest line but `radial`'s."""
-    table = table.isel(run=np.flatnonzero(table["method"].values != "radial"))
+    """Draw N⁴ log N, the cost of the fast method in 3D, below the fastest line on a Cartesian grid."""
+    cartesian = [not METHODS[name].radial for name in table["method"].values.tolist()]
+    table = table.isel(run=np.flatnonzero(cartesian))
     N = np.unique(table["N"]).astype(float)
     cost = N**4 * np.log(N)
     seconds = np.array([table["seconds"].values[table["N"].values == n].min() for n in N])

@@ -9,9 +9,18 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from granstudy.analysis.columns import SYMBOLS
-from granstudy.analysis.figures.style import COLOURS, MARKERS, METHOD_COLOURS, PANEL_HEIGHT, WIDTH
-from granstudy.analysis.tables.states import EXACT_MOMENTS, LINEAR
+from granstudy.analysis.columns import symbol
+from granstudy.analysis.figures.style import (
+    COLOURS,
+    MARKERS,
+    PANEL_HEIGHT,
+    WIDTH,
+    family_styles,
+)
+from granstudy.analysis.groups import Key, groups, keys
+from granstudy.analysis.labels import families
+from granstudy.analysis.source import FigureSource
+from granstudy.analysis.tables.states import theory_a2
 from granstudy.trust.flags import Trust
 
 THEORIES = {
@@ -22,7 +31,7 @@ THEORIES = {
 """Label and line style of theories by the table's column."""
 
 UNIT = 1e-3
-"""Of differences from particles."""
+"""Differences from particles are drawn in this unit."""
 
 ASKED = 1e-4
 """The error that states of Maxwell molecules are asked to be below from e = 0.5 on."""
@@ -30,19 +39,15 @@ ASKED = 1e-4
 NOT_TRUSTED = "open: not labelled trusted"
 
 
-def draw_states(tables: Sequence[xr.Dataset]) -> Figure:
+def draw_states(source: FigureSource) -> Figure:
     """Draw a2 against e, a column a table; below, particles less a2, or the error of a2.
-
-    Parameters
-    ----------
-    tables : sequence of xarray.Dataset
-        From `granstudy.analysis.tables.table.experiment_table`, of state runs swept over e.
 
     Raises
     ------
     ValueError
         If a table is not one of states, or e is not swept.
     """
+    tables = [source.table, *source.beside]
     for table in tables:
         if "state" not in table.attrs or "e" not in table.attrs["swept"].split():
             raise ValueError(f"{table.attrs['title']}: is no table of states swept over e")
@@ -57,11 +62,11 @@ def draw_states(tables: Sequence[xr.Dataset]) -> Figure:
                 _states(lower, part, "a2_error", look)
         _particles(upper, lower, table)
         upper.set_title(table.attrs["title"])
-        upper.set_ylabel("$a_2$")
-        lower.set_xlabel(SYMBOLS["e"])
+        upper.set_ylabel(symbol("a2"))
+        lower.set_xlabel(symbol("e"))
         if exact:
             lower.axhline(ASKED, color="0.6", linewidth=0.8, linestyle="--")
-            lower.set(yscale="log", ylabel="$|a_2 - a_2^{exact}|$")
+            lower.set(yscale="log", ylabel=symbol("a2_error"))
         else:
             lower.axhline(0.0, color="0.6", linewidth=0.8)
             lower.set_ylabel(f"particles $-\\ a_2$, in $10^{{{np.log10(UNIT):.0f}}}$")
@@ -80,16 +85,11 @@ def draw_states(tables: Sequence[xr.Dataset]) -> Figure:
 
 def _theories(ax: Axes, table: xr.Dataset) -> None:
     """Curves of the theories that the table has columns of."""
-    state, dim = table.attrs["state"], table.attrs["dim"]
+    state, dim, exponent = table.attrs["state"], table.attrs["dim"], float(table["exponent"])
     e = np.linspace(0.0, 1.0, 201)[:-1]
-    laws: dict[str, Any] = {
-        name: lambda e, law=law: law(e, dim, float(table["exponent"]))
-        for name, law in LINEAR[state].items()
-    }
-    laws["a2_exact"] = lambda e: EXACT_MOMENTS[state](2, e, dim)[2] - 1.0
     for name, (label, style) in THEORIES.items():
         if name in table:
-            a2 = [laws[name](value) for value in e]
+            a2 = [theory_a2(name, state, value, dim, exponent) for value in e]
             ax.plot(e, a2, style, color="0.45", linewidth=1.2, label=label, zorder=1)
 
 
@@ -97,18 +97,21 @@ def _groups(table: xr.Dataset) -> list[tuple[xr.Dataset, dict[str, Any]]]:
     """The runs that differ in e (and ε) alone, and how they look."""
     names = [name for name in table.attrs["swept"].split() if name not in ("e", "epsilon")]
     if not names:
-        look = {"color": METHOD_COLOURS["radial"], "marker": "o", "label": "solved for"}
-        return [(table, look)]
-    keys = [tuple(table[name].values[i] for name in names) for i in range(table.sizes["run"])]
-    found = []
-    for key, colour, marker in zip(dict.fromkeys(keys), cycle(COLOURS), cycle(MARKERS)):
-        part = table.isel(run=[i for i, other in enumerate(keys) if other == key])
-        label = ", ".join(
-            f"{SYMBOLS.get(n, n)} = {v:g}" if isinstance(v, np.number) else str(v)
-            for n, v in zip(names, key, strict=True)
-        )
-        found.append((part, {"color": colour, "marker": marker, "label": label}))
-    return found
+        (family,) = set(families(table))
+        colour = family_styles([family])[family].colour
+        return [(table, {"color": colour, "marker": "o", "label": "solved for"})]
+    found = groups(keys(table, names))
+    return [
+        (table.isel(run=members), {"color": colour, "marker": marker, "label": _label(names, key)})
+        for (key, members), colour, marker in zip(found.items(), cycle(COLOURS), cycle(MARKERS))
+    ]
+
+
+def _label(names: Sequence[str], key: Key) -> str:
+    return ", ".join(
+        value if isinstance(value, str) else f"{symbol(name)} = {value:g}"
+        for name, value in zip(names, key, strict=True)
+    )
 
 
 def _states(ax: Axes, part: xr.Dataset, name: str, look: dict[str, Any]) -> None:

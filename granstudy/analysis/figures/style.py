@@ -1,18 +1,23 @@
 """How figures look: colours, markers, labels, sizes."""
 
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import cycle
 from typing import Any
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Okabe & Ito, "Color Universal Design" (2008): told apart by colour-blind readers."""
 
-METHOD_COLOURS = {
+MARKERS = ("o", "s", "^", "D")
+
+FAMILY_COLOURS = {
+    "direct": "#0072B2",
     "literal": "#8CC9F0",
     "fast": "#D55E00",
     "fast, single": "#7A3300",
     "fast, rtol": "#CC79A7",
     "fast, rtol, single": "#7B2E5A",
     "carleman": "#009E73",
-    "direct": "#0072B2",
     "radial": "#E69F00",
     "dsmc": "#999999",
     "fast, gpu": "#332288",
@@ -20,31 +25,35 @@ METHOD_COLOURS = {
     "fast, rtol, gpu": "#117733",
     "fast, rtol, single, gpu": "#999933",
 }
-"""A method has the same colour in every figure."""
+"""Colours of `granstudy.analysis.labels.families`, the same in every figure, in the order of a legend."""
 
-METHODS_FIRST = {
-    name: place
-    for place, name in enumerate(
-        (
-            "direct",
-            "literal",
-            "fast",
-            "fast, single",
-            "fast, rtol",
-            "fast, rtol, single",
-            "carleman",
-            "radial",
-            "dsmc",
-            "fast, gpu",
-            "fast, single, gpu",
-            "fast, rtol, gpu",
-            "fast, rtol, single, gpu",
-        )
-    )
-}
-"""From the slowest to the fastest, as a legend lists them."""
 
-MARKERS = ("o", "s", "^", "D")
+@dataclass(frozen=True)
+class FamilyStyle:
+    """How a family of runs looks, and its place in a legend."""
+
+    colour: str
+    marker: str
+    place: int
+
+
+def family_styles(names: Iterable[str]) -> dict[str, FamilyStyle]:
+    """How the families of a figure look, in the order of its legend.
+
+    Families that `FAMILY_COLOURS` does not list come last, by name, in colours that no other one has.
+    """
+    shown = set(names)
+    listed = {name: place for place, name in enumerate(FAMILY_COLOURS)}
+    others = sorted(shown - listed.keys())
+    free = [c for c in COLOURS if c not in {FAMILY_COLOURS.get(name) for name in shown}]
+    colours = FAMILY_COLOURS | dict(zip(others, cycle(free or COLOURS), strict=False))
+    places = listed | {name: len(listed) + i for i, name in enumerate(others)}
+    return {
+        name: FamilyStyle(colours[name], MARKERS[places[name] % len(MARKERS)], places[name])
+        for name in sorted(shown, key=places.__getitem__)
+    }
+
+
 PAPER = "Hu & Ma (2019)"
 PAPER_LOOK: dict[str, Any] = {
     "color": "black",
@@ -55,7 +64,7 @@ PAPER_LOOK: dict[str, Any] = {
     "markeredgewidth": 0.9,
     "zorder": 4,
 }
-
+"""The paper's numbers, open and black around ours."""
 
 LABELS = {
     "design": "spherical designs",
@@ -80,5 +89,8 @@ STYLE: Any = {
     "lines.markersize": 5.0,
     "svg.hashsalt": "granstudy",
 }
+"""Settings of Matplotlib."""
+
 WIDTH = 8.0
 PANEL_HEIGHT = 3.0
+"""Width of a figure and height of a panel, in inches."""

@@ -1,4 +1,4 @@
-"""Which number printed in the paper belongs to which run."""
+"""The paper's printed numbers, and which run each belongs to."""
 
 from dataclasses import dataclass
 from importlib.resources import as_file, files
@@ -8,7 +8,14 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from granstudy.analysis.columns import attributes
 from granstudy.support.errors import unknown_name
+
+TABLES = (1, 2, 3, 4, 5, 6, 7, 8)
+"""Numbers of the tables that the paper prints."""
+
+NAMES = (*(f"table{number}" for number in TABLES), "figure4")
+"""What a study file can name as ``table: {paper: ...}``."""
 
 HAFF_CONSTANTS = {0.2: 0.5159, 0.8: 0.19058}
 """C0 by e for T0 = 2, the legend of the published Fig. 4 (docs/method.md §6).
@@ -17,7 +24,11 @@ With N = 32, our C0 is 0.1906 and 0.5160 at R = 8, but 0.1878 and 0.5102 at R = 
 truncation takes 6% of the initial cooling: the printed numbers are those of R = 8.
 """
 
-NAMES = (*(f"table{number}" for number in range(1, 9)), "figure4")
+VARIANTS = ("full", "separate")
+"""Columns of Tables 1 and 2."""
+
+TIMED = {"direct": ("direct",), "fast": ("literal", "fast")}
+"""Methods that Table 5 times, each with our methods beside it: first the same method, then a faster one."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +39,20 @@ class Printed:
     value: float
 
 
+def paper_table(number: int) -> pd.DataFrame:
+    """Table of the paper by its number, a row for each row printed (docs/method.md §6).
+
+    Raises
+    ------
+    ValueError
+        If the paper has no such table.
+    """
+    if isinstance(number, bool) or number not in TABLES:
+        raise unknown_name("table", number, [str(table) for table in TABLES])
+    with as_file(files(__package__) / f"table{number}.csv") as path:
+        return pd.read_csv(path)
+
+
 def printed_quantity(name: str, quantity: str) -> str:
     """Name the variable of a table that ``name`` prints: the table's quantity, C0 for Figure 4."""
     return "C0" if name == "figure4" else quantity
@@ -36,26 +61,16 @@ def printed_quantity(name: str, quantity: str) -> str:
 def printed_numbers(name: str) -> list[Printed]:
     """List all numbers of ``table1`` .. ``table8``, or the Haff constants of ``figure4``.
 
-    Tables 1 and 2 have a column for each variant; Tables 3, 4, 6 and 7 are spherical designs, Table
-    8 is Gauss–Legendre in θ and φ. The fast method of Table 5 is what we call `literal`: both that
-    and our `fast` are compared with it.
+    Raises
+    ------
+    ValueError
+        For another name.
     """
-    if name not in NAMES:
-        raise unknown_name("printed table", name, NAMES)
+    check_printed(name)
     if name == "figure4":
         return [Printed({"e": e}, C0) for e, C0 in HAFF_CONSTANTS.items()]
     number = int(name.removeprefix("table"))
-    columns: dict[str, list[dict[str, Any]]]
-    if number in (1, 2):
-        columns = {variant: [{"variant": variant}] for variant in ("full", "separate")}
-    elif number == 5:
-        columns = {
-            "direct_seconds": [{"method": "direct"}],
-            "fast_seconds": [{"method": "literal"}, {"method": "fast"}],
-        }
-    else:
-        rule = "gauss-theta-phi" if number == 8 else "design"
-        columns = {str(paper_table(number).columns[-1]): [{"sphere_rule": rule}]}
+    columns = _columns(number)
     rows = paper_table(number).to_dict("records")
     return [
         Printed({key: v for key, v in row.items() if key not in columns} | also, row[column])
@@ -64,6 +79,29 @@ def printed_numbers(name: str) -> list[Printed]:
         for also in conditions
         if not np.isnan(row[column])
     ]
+
+
+def check_printed(name: str) -> None:
+    """Raise ValueError unless the paper prints numbers under this name."""
+    if name not in NAMES:
+        raise unknown_name("printed table", name, NAMES)
+
+
+def _columns(number: int) -> dict[str, list[dict[str, Any]]]:
+    """A table's columns of numbers, each with the parameters of the runs that it belongs to.
+
+    Tables 1 and 2 have a column for each variant, Table 5 one for each method (`TIMED`). Tables 3, 4, 6 and 7
+    are spherical designs, Table 8 is Gauss–Legendre in θ and φ.
+    """
+    if number in (1, 2):
+        return {variant: [{"variant": variant}] for variant in VARIANTS}
+    if number == 5:
+        return {
+            f"{method}_seconds": [{"method": name} for name in ours]
+            for method, ours in TIMED.items()
+        }
+    rule = "gauss-theta-phi" if number == 8 else "design"
+    return {str(paper_table(number).columns[-1]): [{"sphere_rule": rule}]}
 
 
 def match_printed(name: str, runs: xr.Dataset) -> np.ndarray:
@@ -85,38 +123,23 @@ def match_printed(name: str, runs: xr.Dataset) -> np.ndarray:
     return values
 
 
-def _with_paper(table: xr.Dataset, paper: str, quantity: str) -> xr.Dataset:
-    """Add the printed number of each run and ours over it."""
+def with_paper(table: xr.Dataset, paper: str, quantity: str) -> xr.Dataset:
+    """Add the printed number of each run and ours over it.
+
+    Raises
+    ------
+    ValueError
+        If the table does not have the quantity, or the paper prints no number for any of the runs.
+    """
     if quantity not in table:
         raise ValueError(f"paper={paper!r}: prints {quantity}, which the table does not have")
     printed = match_printed(paper, table)
     has_paper = np.isfinite(printed)
     if not has_paper.any():
         raise ValueError(f"paper={paper!r}: prints no number for any of the runs")
-    units = table[quantity].attrs.get("units", "1")
-    where = "NaN where has_paper is false"
-    for name, values, attributes in (
-        ("paper", printed, {"long_name": f"{quantity} printed in the paper; {where}"}),
-        ("ratio", table[quantity].values / printed, {"long_name": f"ours / paper; {where}"}),
-    ):
-        table[name] = ("run", values, attributes | {"units": units if name == "paper" else "1"})
-    table["has_paper"] = ("run", has_paper, {"long_name": "the paper prints a number for the run"})
+    units = {"units": table[quantity].attrs.get("units", "1")}
+    table["paper"] = ("run", printed, attributes("paper", of=quantity) | units)
+    table["ratio"] = ("run", table[quantity].values / printed, attributes("ratio"))
+    table["has_paper"] = ("run", has_paper, attributes("has_paper"))
     table.attrs["paper_quantity"] = quantity
     return table
-
-
-TABLES = (1, 2, 3, 4, 5, 6, 7, 8)
-
-
-def paper_table(number: int) -> pd.DataFrame:
-    """Table of the paper by its number, a row for each row printed (docs/method.md §6).
-
-    Raises
-    ------
-    ValueError
-        If the paper has no such table.
-    """
-    if isinstance(number, bool) or number not in TABLES:
-        raise unknown_name("table", number, [str(table) for table in TABLES])
-    with as_file(files(__package__) / f"table{number}.csv") as path:
-        return pd.read_csv(path)

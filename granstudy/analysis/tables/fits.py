@@ -1,17 +1,20 @@
-"""Laws fitted to runs: an order of convergence, Haff's constant of cooling."""
+"""Laws fitted to runs: an order of convergence, the growth of a cost, Haff's law of cooling."""
 
-from typing import Any
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 from scipy.optimize import curve_fit
 
 from granstudy import theory
+from granstudy.analysis.columns import attributes
+from granstudy.analysis.groups import groups, keys
 from granstudy.analysis.labels import families
-from granstudy.analysis.tables.runs import Rows
+from granstudy.analysis.source import TableSource
 from granstudy.datasets.netcdf import run_seconds
 from granstudy.datasets.open_runs import open_runs
-from granstudy.study.schema.experiment import FitModel
+from granstudy.support.errors import unknown_name
 from granstudy.theory import haff_temperature
 
 
@@ -100,60 +103,46 @@ LEAST_MEMORY_MB = 8.0
 """Peak memories below this are the allocator's, and not fitted."""
 
 
-def _with_fit(table: xr.Dataset, fit: FitModel, rows: Rows) -> xr.Dataset:
-    if fit.law == "order":
-        return _with_order(table, table.attrs["quantity"], fit.x)
-    if fit.law == "growth":
-        return _with_growth(table)
-    return {"slope": _with_slope, "haff": _with_haff}[fit.law](table, rows)
+def with_order(table: xr.Dataset, source: TableSource) -> xr.Dataset:
+    """Add `order`, the fitted slope of each group of runs that differ in ``fit.x`` alone.
 
-
-def _with_order(table: xr.Dataset, quantity: str, x: str | None) -> xr.Dataset:
-    """Add `order`, the fitted slope of each group of runs that differ in ``x`` alone."""
-    swept = table.attrs["swept"].split()
+    Raises
+    ------
+    ValueError
+        If ``fit.x`` is not swept.
+    """
+    assert source.experiment.fit is not None
+    x, swept = source.experiment.fit.x, table.attrs["swept"].split()
     if x not in swept:
         raise ValueError(f"fit.x={x!r}: an order is fitted against a swept parameter: {swept}")
-    groups: dict[tuple[Any, ...], list[int]] = {}
-    for i in range(table.sizes["run"]):
-        key = tuple(table[name].values[i] for name in swept if name != x)
-        groups.setdefault(key, []).append(i)
     order = np.full(table.sizes["run"], np.nan)
-    for members in groups.values():
-        error = table[quantity].values[members]
+    for members in groups(keys(table, [name for name in swept if name != x])).values():
+        error = table[source.quantity].values[members]
         order[members], _ = fit_order(table[x].values[members], error)
-    long_name = f"p of {quantity} ~ {x}^p, fitted to the runs that differ in {x} alone"
-    table["order"] = ("run", order, {"long_name": long_name, "units": "1"})
+    table["order"] = ("run", order, attributes("order", of=source.quantity, x=x))
     table.attrs["refined"] = x
     return table
 
 
-def _with_growth(table: xr.Dataset) -> xr.Dataset:
+def with_growth(table: xr.Dataset, source: TableSource) -> xr.Dataset:
     """Add the exponents of time and memory in N, of each method, and those of N^{d+1} log N."""
-    exponents = np.full((3, table.sizes["run"]), np.nan)
-    groups: dict[tuple[Any, ...], list[int]] = {}
-    for i, key in enumerate(zip(families(table), table["threads"].values, strict=True)):
-        groups.setdefault(key, []).append(i)
-    for members in groups.values():
+    seconds, memory, law = np.full((3, table.sizes["run"]), np.nan)
+    members_of = groups(list(zip(families(table), table["threads"].values.tolist(), strict=True)))
+    for members in members_of.values():
         N = table["N"].values[members].astype(float)
-        exponents[0, members] = growth_exponent(N, table["seconds"].values[members])
+        seconds[members] = growth_exponent(N, table["seconds"].values[members])
         if "peak_memory_mb" in table:
-            memory = table["peak_memory_mb"].values[members]
-            exponents[1, members] = growth_exponent(N, memory, LEAST_MEMORY_MB)
-        exponents[2, members] = growth_exponent(N, N ** (table.attrs["dim"] + 1) * np.log(N))
-    long_names = {
-        "time_exponent": "p of seconds ~ N^p, fitted to the runs of a method",
-        "memory_exponent": f"p of peak memory ~ N^p, fitted where it is above {LEAST_MEMORY_MB} MB",
-        "law_exponent": "p of N^{d+1} log N ~ N^p, fitted to the same N",
-    }
-    for values, (name, long_name) in zip(exponents, long_names.items(), strict=True):
-        table[name] = ("run", values, {"long_name": long_name, "units": "1"})
-    return table
+            peaks = table["peak_memory_mb"].values[members]
+            memory[members] = growth_exponent(N, peaks, LEAST_MEMORY_MB)
+        law[members] = growth_exponent(N, N ** (table.attrs["dim"] + 1) * np.log(N))
+    found = {"time_exponent": seconds, "memory_exponent": memory, "law_exponent": law}
+    return _with_columns(table, found)
 
 
-def _with_haff(table: xr.Dataset, rows: Rows) -> xr.Dataset:
+def with_haff(table: xr.Dataset, source: TableSource) -> xr.Dataset:
     """Add C0 fitted to each run, its standard error, and C0 of theory for a Gaussian shape."""
     fitted = []
-    for run, file in rows:
+    for run, file in source.rows:
         with open_runs([file]) as ds:
             time, T = ds["time"].values, ds["temperature"].values[0]
         e, kernel = run.scene.restitution, run.scene.kernel
@@ -163,33 +152,60 @@ def _with_haff(table: xr.Dataset, rows: Rows) -> xr.Dataset:
             else theory.haff_constant(kernel, float(e), run.scene.dim, T0=float(T[0]))
         )
         fitted.append((*fit_haff(time, T), C0))
-    long_names = {
-        "C0": "Haff constant, least squares of T0 (1 + C0 t)^-2",
-        "C0_error": "standard error of the fitted C0",
-        "C0_theory": "Haff constant of a Gaussian shape at the initial temperature",
-    }
-    for column, (name, long_name) in enumerate(long_names.items()):
-        values = np.array([numbers[column] for numbers in fitted])
-        table[name] = ("run", values, {"long_name": long_name, "units": "1"})
-    return table
+    return _with_columns(table, _columns(("C0", "C0_error", "C0_theory"), fitted))
 
 
-def _with_slope(table: xr.Dataset, rows: Rows) -> xr.Dataset:
-    """Add d ln T/d ln t of the last decade, its distance from Haff's law, and how long the run took."""
+def with_slope(table: xr.Dataset, source: TableSource) -> xr.Dataset:
+    """Add d ln T/d ln t of the last decade, its distance from Haff's law, and the run's seconds."""
     found = []
-    for run, file in rows:
+    for run, file in source.rows:
         with open_runs([file]) as ds:
             time, T = ds["time"].values[1:], ds["temperature"].values[0, 1:]
         at, slope = local_slope(time, T)
         late = slope[at > time[-1] / 10.0]
-        law = -2.0 / run.scene.kernel.exponent
-        found.append((late.mean(), np.abs(late - law).max(), run_seconds(file)))
-    long_names = {
-        "slope": ("d ln T/d ln t, mean over the last decade of t", ".6f"),
-        "slope_error": ("largest |d ln T/d ln t + 2/λ| in the last decade of t", ".1e"),
-        "seconds": ("wall time of the run, set-up included", ".3g"),
-    }
-    for column, (name, (long_name, digits)) in enumerate(long_names.items()):
-        values = np.array([numbers[column] for numbers in found], dtype=float)
-        table[name] = ("run", values, {"long_name": long_name, "units": "1", "format": digits})
+        distance = np.abs(late + 2.0 / run.scene.kernel.exponent).max()
+        found.append((late.mean(), distance, run_seconds(file)))
+    return _with_columns(table, _columns(("slope", "slope_error", "seconds"), found))
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A law that is fitted to the runs of a table.
+
+    Attributes
+    ----------
+    add : callable
+        Takes the table and what it is made from; gives the table with the fit's columns.
+    beside : tuple of str
+        Variables of evolutions that the table shows with the fit.
+    """
+
+    add: Callable[[xr.Dataset, TableSource], xr.Dataset]
+    beside: tuple[str, ...] = ()
+
+
+FITS: dict[str, Fit] = {
+    "order": Fit(with_order),
+    "haff": Fit(with_haff),
+    "growth": Fit(with_growth),
+    "slope": Fit(with_slope, beside=("a2",)),
+}
+"""The laws that a study file can ask for, as ``fit: {law: ...}``."""
+
+
+def check_law(law: str) -> None:
+    """Raise ValueError unless `FITS` has the law."""
+    if law not in FITS:
+        raise unknown_name("law", law, list(FITS))
+
+
+def _columns(names: Sequence[str], rows: Sequence[tuple[float, ...]]) -> dict[str, np.ndarray]:
+    """The columns of numbers that were found row by row."""
+    return dict(zip(names, np.array(rows, dtype=float).T, strict=True))
+
+
+def _with_columns(table: xr.Dataset, columns: dict[str, np.ndarray]) -> xr.Dataset:
+    """Add columns with the long names of `granstudy.analysis.columns.COLUMNS`."""
+    for name, values in columns.items():
+        table[name] = ("run", values, attributes(name, least=LEAST_MEMORY_MB))
     return table

@@ -6,9 +6,12 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from granstudy.analysis.columns import attributes
+from granstudy.analysis.groups import keys
 from granstudy.analysis.labels import run_text, telling_apart
-from granstudy.analysis.tables.markdown import rows_text
+from granstudy.analysis.tables.markdown import github_table
 from granstudy.analysis.tables.table import write_table
+from granstudy.analysis.tables.truth import MEASURES
 from granstudy.datasets.run_dataset import CONVENTIONS
 from granstudy.trust.flags import Status, Trust, flag_word
 
@@ -25,14 +28,12 @@ CONFIGURATION = ("method", "frame")
 ALWAYS = ("N", "R")
 """Parameters that a cell names, beside those that its case sweeps."""
 
-MEASURES = (
-    "largest_temperature_error",
-    "temperature_error_estimate",
-    "largest_a2_error",
-    "a2_error_estimate",
-    "trust",
-    "status",
-)
+ROW = ("case", "configuration", "variation")
+"""What says which run a row is."""
+
+HEADER = (*ROW[:2], "", "error of T", "estimate", "error of a2", "estimate", "label")
+ALIGNMENT = ("left",) * 3 + ("right",) * 4 + ("left",)
+"""Headings of the Markdown table, and to which side their columns go."""
 
 
 def breaks_rule(trust: Trust, temperature_error: float, a2_error: float, status: Status) -> bool:
@@ -61,23 +62,21 @@ def label_map(title: str, tables: Mapping[str, xr.Dataset]) -> xr.Dataset:
     -------
     xarray.Dataset
         Over ``run``: the coordinates `case`, `configuration` (method, frame) and `variation` (N, R,
-        and what else is swept); the columns `MEASURES` and `wrong`, whether the label breaks the rule. The
-        attribute `titles` has a line for each case.
+        and what else is swept); the columns `granstudy.analysis.tables.truth.MEASURES`, `trust`, `status`,
+        and `wrong`, whether the label breaks the rule. The attribute `titles` has a line for each case.
     """
     parts = [_rows(case, table) for case, table in tables.items()]
     joined = xr.concat(parts, "run", combine_attrs="drop")
+    measured = ("trust", "largest_temperature_error", "largest_a2_error", "status")
     wrong = [
         breaks_rule(Trust(int(trust)), float(T), float(a2), Status(int(status)))
-        for trust, T, a2, status in zip(
-            *(joined[name].values for name in ("trust", MEASURES[0], MEASURES[2], "status")),
-            strict=True,
-        )
+        for trust, T, a2, status in zip(*(joined[name].values for name in measured), strict=True)
     ]
-    joined["wrong"] = ("run", wrong, {"long_name": "whether the label breaks the rule"})
+    joined["wrong"] = ("run", wrong, attributes("wrong"))
     joined.attrs = {
         "title": title,
         "Conventions": CONVENTIONS,
-        "swept": "case configuration variation",
+        "swept": " ".join(ROW),
         "titles": "\n".join(table.attrs["title"] for table in tables.values()),
     }
     return joined
@@ -91,17 +90,19 @@ def _rows(case: str, table: xr.Dataset) -> xr.Dataset:
         "variation": _texts(table, [*ALWAYS, *varying]),
     }
     coordinates = {name: ("run", np.array(values, dtype=object)) for name, values in texts.items()}
-    rows = xr.Dataset({name: ("run", table[name].values, table[name].attrs) for name in MEASURES})
+    rows = xr.Dataset(
+        {
+            name: ("run", table[name].values, table[name].attrs)
+            for name in (*MEASURES, "trust", "status")
+        }
+    )
     cases = np.array([case] * table.sizes["run"], dtype=object)
     return rows.assign_coords({"case": ("run", cases)} | coordinates)
 
 
 def _texts(table: xr.Dataset, names: Sequence[str]) -> list[str]:
     """Parameters of every run, swept or held fixed, as a text."""
-    columns = [np.broadcast_to(table[name].values, table.sizes["run"]) for name in names]
-    return [
-        run_text(dict(zip(names, values, strict=True))) for values in zip(*columns, strict=True)
-    ]
+    return [run_text(dict(zip(names, key, strict=True))) for key in keys(table, names)]
 
 
 def rule_line(table: xr.Dataset) -> str:
@@ -120,22 +121,11 @@ def write_map(table: xr.Dataset, nc: str | Path, csv: str | Path, md: str | Path
 
 def markdown_map(table: xr.Dataset) -> str:
     """Title, the rule, and a line for each run."""
-    header = [
-        "case",
-        "configuration",
-        "",
-        "error of T",
-        "estimate",
-        "error of a2",
-        "estimate",
-        "label",
-    ]
-    lines = [header, ["---"] * 3 + ["---:"] * 4 + ["---"]]
+    lines = []
     for i in range(table.sizes["run"]):
         row = table.isel(run=i)
-        numbers = [f"{float(row[name]):.1e}" for name in MEASURES[:4]]
+        numbers = [f"{float(row[name]):.1e}" for name in MEASURES]
         label = flag_word("trust", row["trust"]) + " (wrong)" * bool(row["wrong"])
-        texts = [str(row[name].item()) for name in ("case", "configuration", "variation")]
-        lines.append([*texts, *numbers, label])
-    title = f"# {table.attrs['title']}"
-    return "\n".join([title, "", rule_line(table), "", rows_text(lines)]) + "\n"
+        lines.append([*(str(row[name].item()) for name in ROW), *numbers, label])
+    rows = github_table(HEADER, lines, ALIGNMENT)
+    return "\n".join([f"# {table.attrs['title']}", "", rule_line(table), "", rows]) + "\n"

@@ -1,15 +1,28 @@
 """A table of runs as a Markdown table that people read."""
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
-from granstudy.analysis.columns import HEADINGS, QUANTITIES, _digits
-from granstudy.analysis.labels import families
+from granstudy.analysis.columns import column, heading
+from granstudy.analysis.groups import groups, keys
+from granstudy.analysis.labels import PAPERS_OWN, families
+from granstudy.datasets.parameters import ABSENT
+from granstudy.model.methods import METHODS
 from granstudy.study.benchmark.front import fastest_within
 from granstudy.trust.flags import FLAGS, Status, flag_word
+
+ALONE = {"C0", "seconds", "trust"}
+"""Columns that go with one run each, so that methods get a line each."""
+
+HIDDEN = ("has_paper", "reason")
+"""Columns that no reader of the table needs; the reasons stand below it."""
+
+NO_NUMBER = {str(value) for value in ABSENT.values() if not isinstance(value, str | bool)}
+"""Texts of the numbers that stand for a parameter that a run does not have; their cells stay empty."""
 
 
 def markdown_table(table: xr.Dataset) -> str:
@@ -19,99 +32,99 @@ def markdown_table(table: xr.Dataset) -> str:
     in the refined parameter alone do.
     """
     swept = table.attrs["swept"].split()
-    parameters = len(swept) - 1
+    left = len(swept) - 1
     if "refined" in table.attrs:
         header, lines = _across(table, swept, table.attrs["refined"])
     elif _shared_lines(table, swept):
         header, lines = _across(table, swept, "method")
     else:
         header, lines = _long(table, swept)
-        parameters = len(swept)
-    rule = ["---" if i < parameters else "---:" for i in range(len(header))]
-    rows = rows_text([header, rule, *lines])
+        left = len(swept)
+    rows = github_table(header, lines, ["left"] * left + ["right"] * (len(header) - left))
     return "\n".join([f"# {table.attrs['title']}", "", rows, "", *_legend(table)]) + "\n"
 
 
-def rows_text(rows: Iterable[Sequence[str]]) -> str:
-    """Rows of cells as the lines of a GitHub table."""
-    return "\n".join("| " + " | ".join(cells) + " |" for cells in rows)
+def github_table(
+    header: Sequence[str], lines: Sequence[Sequence[str]], alignment: Sequence[str]
+) -> str:
+    """Cells as the lines of a GitHub table; ``alignment`` has ``left`` or ``right`` for each column."""
+    text: str = pd.DataFrame(lines, columns=list(header)).to_markdown(
+        index=False, tablefmt="pipe", colalign=alignment, disable_numparse=True
+    )
+    return text
 
 
 def _shared_lines(table: xr.Dataset, swept: list[str]) -> bool:
     """Tell whether at least half of the lines would hold more than one method."""
-    if "method" not in swept or {"C0", "seconds", "trust"} & set(table):
+    if "method" not in swept or ALONE & set(table):
         return False
-    runs = Counter(_keys(table, [name for name in swept if name != "method"])).values()
+    runs = Counter(_cells(table, [name for name in swept if name != "method"])).values()
     return 2 * sum(count > 1 for count in runs) >= len(runs)
 
 
-def _keys(table: xr.Dataset, names: list[str]) -> list[tuple[str, ...]]:
-    return [
-        tuple(_parameter(table[name].values[i]) for name in names)
-        for i in range(table.sizes["run"])
-    ]
-
-
-def _parameter(value: object) -> str:
-    text = str(value)
-    return "" if text in ("-1", "-1.0") else text
+def _cells(table: xr.Dataset, names: Sequence[str]) -> list[tuple[str, ...]]:
+    """Parameters of every run as cells, empty where the run does not have one."""
+    texts = [[str(value) for value in key] for key in keys(table, names)]
+    return [tuple("" if text in NO_NUMBER else text for text in row) for row in texts]
 
 
 def _long(table: xr.Dataset, swept: list[str]) -> tuple[list[str], list[list[str]]]:
     """One line a run, all columns."""
-    hidden = ("has_paper", "reason", *(() if "trust" in table else ("status",)))
+    hidden = (*HIDDEN, *(() if "trust" in table else ("status",)))
     names = [str(name) for name in table.data_vars if name not in hidden]
-    header = [HEADINGS.get(name, name) for name in swept]
-    header += [HEADINGS.get(name, name.replace("_", " ")) for name in names]
     lines = [
-        [*key, *(_number(table, name, i) for name in names)]
-        for i, key in enumerate(_keys(table, swept))
+        [*cells, *(_number(table, name, i) for name in names)]
+        for i, cells in enumerate(_cells(table, swept))
     ]
-    return header, lines
+    return [heading(name) for name in (*swept, *names)], lines
 
 
 def _across(table: xr.Dataset, swept: list[str], across: str) -> tuple[list[str], list[list[str]]]:
     """One line for the runs that differ in ``across`` alone: the quantity side by side."""
     names = [name for name in swept if name != across]
-    keys = _keys(table, names)
-    # In the order of the sweep, parameter by parameter, whichever block a run comes from.
+    rows = groups(_cells(table, names))
+    values = [cell for (cell,) in _cells(table, [across])]
+    columns = _in_order(list(dict.fromkeys(values)), across)
+    label = "" if across == "method" else f"{heading(across)} = "
+    header = [heading(name) for name in names] + [label + value for value in columns]
+    with_paper, with_order = "paper" in table, "order" in table
+    if with_paper:
+        header += ["paper", *(f"{value} / paper" for value in columns)]
+    if with_order:
+        header.append(heading("order"))
+    lines = []
+    for key in _as_swept(list(rows)):
+        place = {values[i]: i for i in rows[key]}
+        found = [place.get(value) for value in columns]
+        some = next(i for i in found if i is not None)
+        cells = [*key, *_numbers(table, table.attrs["quantity"], found)]
+        if with_paper:
+            cells += [_number(table, "paper", some), *_numbers(table, "ratio", found)]
+        if with_order:
+            cells.append(_number(table, "order", some))
+        lines.append(cells)
+    return header, lines
+
+
+def _in_order(values: list[str], across: str) -> list[str]:
+    """The values of the parameter that is laid across: the paper's method first, numbers downwards."""
+    if across != "method":
+        return sorted(values, key=float, reverse=True)
+    known = list(dict.fromkeys([*PAPERS_OWN, *METHODS, *values]))
+    return sorted(values, key=known.index)
+
+
+def _as_swept(cells: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """Lines in the order of the sweep, parameter by parameter, whichever block a run comes from."""
     order = [
         {value: i for i, value in enumerate(dict.fromkeys(values))}
-        for values in zip(*keys, strict=True)
+        for values in zip(*cells, strict=True)
     ]
-    columns = list(dict.fromkeys(_keys(table, [across])))
-    if across == "method":
-        # The yardstick beside the paper that it reproduces, then what we add.
-        columns = sorted(
-            columns,
-            key=lambda c: ("literal", "fast", "carleman", "radial", "direct", "dsmc").index(c[0]),
-        )
-    else:
-        columns = sorted(columns, key=lambda c: -float(c[0]))
-    place = {
-        (key, column): i
-        for i, (key, column) in enumerate(zip(keys, _keys(table, [across]), strict=True))
-    }
-    quantity = table.attrs["quantity"]
-    label = "" if across == "method" else f"{HEADINGS.get(across, across)} = "
-    header = [HEADINGS.get(name, name) for name in names] + [label + c[0] for c in columns]
-    with_paper = "paper" in table
-    if with_paper:
-        header += ["paper", *(f"{c[0]} / paper" for c in columns)]
-    if "order" in table:
-        header.append(HEADINGS["order"])
-    lines = []
-    for key in sorted(set(keys), key=lambda key: [o[v] for o, v in zip(order, key, strict=True)]):
-        found = [place.get((key, column)) for column in columns]
-        some = next(i for i in found if i is not None)
-        cells = ["" if i is None else _number(table, quantity, i) for i in found]
-        if with_paper:
-            cells.append(_number(table, "paper", some))
-            cells += ["" if i is None else _number(table, "ratio", i) for i in found]
-        if "order" in table:
-            cells.append(_number(table, "order", some))
-        lines.append([*key, *cells])
-    return header, lines
+    return sorted(cells, key=lambda key: [o[v] for o, v in zip(order, key, strict=True)])
+
+
+def _numbers(table: xr.Dataset, name: str, runs: Sequence[int | None]) -> list[str]:
+    return ["" if i is None else _number(table, name, i) for i in runs]
 
 
 def _number(table: xr.Dataset, name: str, i: int) -> str:
@@ -124,13 +137,23 @@ def _number(table: xr.Dataset, name: str, i: int) -> str:
     if np.isnan(value):
         ended = Status(int(table["status"].values[i])).name.lower()
         return ended if name == table.attrs["quantity"] else ""
-    return format(float(value), table[name].attrs.get("format") or _digits(table, name, value))
+    if own := table[name].attrs.get("format"):
+        return format(float(value), own)
+    measure = table.attrs["paper_quantity"] if name == "paper" else name
+    return column(measure, _beside(table)).text(float(value))
+
+
+def _beside(table: xr.Dataset) -> list[str]:
+    """The other experiments whose names stand in columns' names."""
+    beside: str = table.attrs.get("beside", "")
+    return beside.split()
 
 
 def _legend(table: xr.Dataset) -> list[str]:
     """Say what the quantity is, and what is held fixed."""
     quantity = table.attrs["quantity"]
-    meaning = QUANTITIES.get(quantity, table[quantity].attrs.get("long_name", quantity))
+    legend = column(quantity, _beside(table)).legend
+    meaning = legend or table[quantity].attrs.get("long_name", quantity)
     lines = [f"{quantity}: {meaning}."]
     if "paper" in table:
         lines[0] += " An empty cell under paper: the paper prints no number there."
@@ -145,7 +168,7 @@ def _legend(table: xr.Dataset) -> list[str]:
     for reason in dict.fromkeys(table["reason"].values) if "reason" in table else ():
         lines += ["", f"failed: {reason}."] if reason else []
     fixed = [
-        f"{HEADINGS.get(str(name), name)} = {c.item()}"
+        f"{heading(str(name))} = {c.item()}"
         for name, c in table.coords.items()
         if c.ndim == 0 and c.item() != -1
     ]
@@ -158,12 +181,10 @@ def _read_front(table: xr.Dataset) -> list[str]:
     """Say, for every method, which run is the fastest with no larger error than the baseline's."""
     lines = []
     base = int(np.argmax(table["baseline"].values))
-    same = np.flatnonzero(table["threads"].values == table["threads"].values[base])
+    same = table.isel(run=np.flatnonzero(table["threads"] == table["threads"][base]))
     largest = float(table["error"][base])
-    family = families(table)
-    for name in dict.fromkeys(family[i] for i in same):
-        members = [i for i in same if family[i] == name]
-        part = table.isel(run=members)
+    for (name,), members in groups([(family,) for family in families(same)]).items():
+        part = same.isel(run=members)
         found = fastest_within(part["seconds"].values, part["error"].values, largest)
         if found is not None:
             row = part.isel(run=found)

@@ -2,21 +2,31 @@
 
 import csv
 import io
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from granstudy.analysis.tables.markdown import rows_text
+from granstudy.analysis.tables.markdown import github_table
 from granstudy.evolution.forecast import Forecast, plan
 from granstudy.study.estimates import expected_evaluations, planned_scene
 from granstudy.study.run import Run
 from granstudy.study.study import Study
 from granstudy.support.files import write_whole
 
-COLUMNS = ("method", "N", "R", "nodes", "transforms", "evaluations", "seconds", "memory_mb")
-"""Numbers of a `Forecast` in the table."""
+HEADINGS = {
+    "method": "method",
+    "N": "N",
+    "R": "R",
+    "nodes": "nodes",
+    "transforms": "transforms",
+    "evaluations": "evaluations",
+    "seconds": "seconds (estimated)",
+    "memory_mb": "memory (MB)",
+}
+"""Numbers of a `Forecast` in the table, and what heads them."""
 
-HEADINGS = {"seconds": "seconds (estimated)", "memory_mb": "memory (MB)"}
+ONLY_CSV = ("threads", "seconds_per_evaluation", "error", "reason")
+"""What the CSV file has beside them."""
 
 Row = tuple[str, Forecast]
 
@@ -24,7 +34,7 @@ Row = tuple[str, Forecast]
 def study_forecasts(study: Study) -> list[Row]:
     """The forecast of every run, references among them, by its experiment and path.
 
-    On the threads its experiment gives it. Of a benchmark, one evaluation each.
+    A run has the threads that its experiment gives it. A benchmark's runs count one evaluation each.
     """
     return [
         (f"{name}/{path}", forecast(run))
@@ -51,16 +61,15 @@ def write_plan(study: Study, md: str | Path, csv: str | Path) -> None:
     write_whole(Path(csv), lambda partial: partial.write_text(as_csv(rows)))
 
 
-def markdown(title: str, rows: list[Row]) -> str:
+def markdown(title: str, rows: Sequence[Row]) -> str:
     """Title, a line a run, the total, and why each method was chosen where it was."""
-    header = ["run", *(HEADINGS.get(name, name) for name in COLUMNS)]
-    lines = [header, ["---", "---", *["---:"] * (len(COLUMNS) - 1)]]
-    lines += [[run, *(_shown(getattr(f, name)) for name in COLUMNS)] for run, f in rows]
+    lines = [[run, *(_shown(getattr(f, name)) for name in HEADINGS)] for run, f in rows]
     seconds = sum(f.seconds for _, f in rows)
     largest = max(f.memory_mb for _, f in rows)
     totals = {"seconds": _shown(seconds), "memory_mb": str(largest)}
-    lines.append(["**total**", *(totals.get(name, "") for name in COLUMNS)])
-    table = rows_text(lines)
+    lines.append(["**total**", *(totals.get(name, "") for name in HEADINGS)])
+    alignment = ["left", "left", *["right"] * (len(HEADINGS) - 1)]
+    table = github_table(["run", *HEADINGS.values()], lines, alignment)
     reasons = "\n".join(f"- {run}: {f.reason}" for run, f in rows if f.reason)
     legend = "Total seconds are of the runs one after the other, memory is the largest run's."
     return "\n\n".join(part for part in (f"# Plan: {title}", table, legend, reasons) if part) + "\n"
@@ -70,7 +79,7 @@ def as_csv(rows: Iterable[Row]) -> str:
     """A line a run, with the reason and the estimated error, empty where there is none."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
-    names = (*COLUMNS, "threads", "seconds_per_evaluation", "error", "reason")
+    names = (*HEADINGS, *ONLY_CSV)
     writer.writerow(["run", *names])
     for run, f in rows:
         writer.writerow([run, *("" if (v := getattr(f, name)) is None else v for name in names)])

@@ -1,5 +1,6 @@
 """Tables of evolutions, collisions and benchmarks."""
 
+from collections.abc import Sequence
 from contextlib import ExitStack
 from typing import Any
 
@@ -7,31 +8,55 @@ import dask
 import numpy as np
 import xarray as xr
 
+from granstudy.analysis.columns import DERIVED, attributes
+from granstudy.analysis.source import Row, TableSource
+from granstudy.analysis.tables.fits import FITS
 from granstudy.datasets.netcdf import read_dataset, run_seconds
 from granstudy.datasets.open_runs import final_values
+from granstudy.model.methods import METHODS
 from granstudy.particles.dataset import time_average
-from granstudy.study.run import Run
-from granstudy.study.schema.experiment import AverageModel, EvolutionTableModel
+from granstudy.study.schema.experiment import AverageModel, EvolutionExperiment
+from granstudy.support.errors import unknown_name
 from granstudy.trust.flags import Status
 
-Rows = list[tuple[Run, str]]
+BESIDE = ("temperature_error", "temperature", "temperature_standard_error", "density_drift")
+"""What an evolution's table shows beside its quantity, where the runs have it."""
+
+AVERAGE_DIGITS = {"": ".6f", "_standard_error": ".1e"}
+"""Formats of averages over time, and of their standard errors, by the ending of the column's name."""
 
 
-def _evolution(rows: Rows, asked: EvolutionTableModel | None) -> xr.Dataset:
-    """Moments and errors at the final time, or averages that are asked for."""
+def evolution_table(source: TableSource) -> xr.Dataset:
+    """Moments and errors at the final time, or averages that are asked for.
+
+    Columns: the quantity with its standard error, averages, `BESIDE`, what a fit is shown with, `status`. A
+    run that ended early has NaN for its numbers.
+
+    Raises
+    ------
+    ValueError
+        If the runs do not have the quantity.
+    """
+    assert isinstance(source.experiment, EvolutionExperiment)
+    asked, fit, rows = source.experiment.table, source.experiment.fit, source.rows
     # Before all files are open: netCDF4 has crashed where a file was opened twice.
     averages = _averages(rows, asked.average) if asked and asked.average else {}
-    with final_values([file for _, file in rows]) as final:
+    with final_values([row.file for row in rows]) as final:
         names = [name for name, v in final.data_vars.items() if v.dims == ("run",)]
         # One thread: netCDF4 has crashed under several.
-        table = final[names].drop_vars(["reason", "warnings"]).load(scheduler="synchronous")
-    ended = table["status"] == Status.OK
-    table = table.map(lambda v: v.where(ended) if v.dtype.kind == "f" else v, keep_attrs=True)
-    return _with_swept(table.assign(averages), rows)
+        last = final[names].drop_vars(["reason", "warnings"]).load(scheduler="synchronous")
+    check_quantity(source.quantity, last)
+    ended = last["status"] == Status.OK
+    last = last.map(lambda v: v.where(ended) if v.dtype.kind == "f" else v, keep_attrs=True)
+    last = last.assign(averages)
+    beside = (*BESIDE, *(FITS[fit.law].beside if fit else ()))
+    shown = (source.quantity, f"{source.quantity}_standard_error", *averages, *beside, "status")
+    return with_swept(last[[name for name in dict.fromkeys(shown) if name in last]], rows)
 
 
-def _collision(rows: Rows, files: dict[str, str]) -> xr.Dataset:
+def collision_table(source: TableSource) -> xr.Dataset:
     """Largest difference of Q from each run's reference, on all grid points."""
+    rows, files = source.rows, source.by_path
     with ExitStack() as stack:
         Q: dict[str, xr.DataArray] = {}
         for file in files.values():
@@ -49,16 +74,14 @@ def _collision(rows: Rows, files: dict[str, str]) -> xr.Dataset:
         table = final[["status"]].load()
     error = np.array([value.item() for value in errors])
     scale = np.array([value.item() for value in largest])
-    for name, values, long_name in (
-        ("collision_error", error, "max|Q − Q_reference| on the grid"),
-        ("relative_error", error / scale, "max|Q − Q_reference| / max|Q_reference|"),
-    ):
-        table[name] = ("run", values, {"long_name": long_name, "units": "1"})
-    return _with_swept(table, rows)
+    for name, values in (("collision_error", error), ("relative_error", error / scale)):
+        table[name] = ("run", values, attributes(name))
+    return with_swept(table, rows)
 
 
-def _benchmark(files: list[str]) -> xr.Dataset:
-    (file,) = files
+def benchmark_table(source: TableSource) -> xr.Dataset:
+    """A benchmark's dataset, which has a row for each run and number of threads."""
+    (file,) = source.files
     table = read_dataset(file)
     table.attrs["swept"] = " ".join(
         str(name) for name, c in table.coords.items() if c.dims == ("run",)
@@ -66,9 +89,16 @@ def _benchmark(files: list[str]) -> xr.Dataset:
     return table
 
 
-def _with_swept(table: xr.Dataset, rows: Rows) -> xr.Dataset:
+def check_quantity(quantity: str, table: xr.Dataset) -> None:
+    """Raise ValueError unless a table has this column of real numbers."""
+    numbers = [str(name) for name, v in table.data_vars.items() if v.dtype.kind == "f"]
+    if quantity not in numbers:
+        raise unknown_name("quantity", quantity, numbers)
+
+
+def with_swept(table: xr.Dataset, rows: Sequence[Row]) -> xr.Dataset:
     """Keep swept parameters along ``run``; one value of each other one."""
-    swept = [key for key, _ in rows[0][0].values]
+    swept = [key for key, _ in rows[0].run.values]
     if "M_sph" in swept and "N_theta" in table.coords and (table["N_theta"] > 0).any():
         swept[swept.index("M_sph") + 1 : swept.index("M_sph") + 1] = ["N_theta", "N_phi"]
     along = [str(name) for name, c in table.coords.items() if c.dims == ("run",)]
@@ -80,27 +110,25 @@ def _with_swept(table: xr.Dataset, rows: Rows) -> xr.Dataset:
     return table
 
 
-def _with_seconds(table: xr.Dataset, rows: Rows) -> xr.Dataset:
+def with_seconds(table: xr.Dataset, rows: Sequence[Row]) -> xr.Dataset:
     """Add how long every run took."""
-    attributes = {"long_name": "wall time of the run, set-up included", "units": "s"}
     seconds = [run_seconds(file) for _, file in rows]
-    return table.assign(seconds=("run", seconds, attributes | {"format": ".3g"}))
+    return table.assign(seconds=("run", seconds, attributes("seconds")))
 
 
-def _averages(rows: Rows, asked: AverageModel) -> dict[str, Any]:
+def _averages(rows: Sequence[Row], asked: AverageModel) -> dict[str, Any]:
     """Averages over time and their standard errors by batches, which replace the last values."""
-    variables = {}
-    where = f"averaged from t = {asked.start:g} on"
     for run, _ in rows:
-        if run.solver.method != "dsmc":
-            raise ValueError(f"table.average: only method 'dsmc' has it, not {run.path}")
+        if not run.solver.traits.by_particles:
+            names = " and ".join(repr(name) for name, m in METHODS.items() if m.by_particles)
+            raise ValueError(f"table.average: only method {names} has it, not {run.path}")
     datasets = [read_dataset(file) for _, file in rows]
+    variables = {}
     for name in asked.of:
         means, errors = np.array([time_average(ds, name, asked.start) for ds in datasets]).T
-        for column, values, long_name, digits in (
-            (name, means, f"{name}, {where}", ".6f"),
-            (f"{name}_standard_error", errors, f"standard error of {name}, {where}", ".1e"),
-        ):
-            attributes = {"long_name": long_name, "units": "1", "format": digits}
-            variables[column] = ("run", values, attributes)
+        long_name = f"{name}, averaged from t = {asked.start:g} on"
+        for ending, values in (("", means), ("_standard_error", errors)):
+            text = DERIVED[ending].long_name.format(of=long_name) if ending else long_name
+            about = {"long_name": text, "units": "1", "format": AVERAGE_DIGITS[ending]}
+            variables[name + ending] = ("run", values, about)
     return variables

@@ -2,47 +2,78 @@
 
 import csv
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from granstudy.analysis.paper.printed import _with_paper, printed_quantity
-from granstudy.analysis.tables.fits import (
-    _with_fit,
-)
+from granstudy.analysis.columns import reading_order
+from granstudy.analysis.paper.printed import printed_quantity, with_paper
+from granstudy.analysis.source import TableSource
+from granstudy.analysis.tables.fits import FITS, check_law
 from granstudy.analysis.tables.markdown import markdown_table
 from granstudy.analysis.tables.runs import (
-    Rows,
-    _benchmark,
-    _collision,
-    _evolution,
-    _with_seconds,
-    _with_swept,
+    benchmark_table,
+    check_quantity,
+    collision_table,
+    evolution_table,
 )
-from granstudy.analysis.tables.states import columns, state_table, with_beside
-from granstudy.analysis.tables.truth import COLUMNS, truth_table
+from granstudy.analysis.tables.states import state_table
+from granstudy.analysis.tables.truth import truth_table
 from granstudy.datasets.netcdf import write_dataset
 from granstudy.datasets.run_dataset import CONVENTIONS
 from granstudy.study.run import Run
 from granstudy.study.schema.experiment import Experiment
-from granstudy.support.errors import unknown_name
 from granstudy.support.files import write_whole
 from granstudy.trust.flags import FLAGS, flag_word
 
-DEFAULT_QUANTITY = {
-    "evolution": "temperature",
-    "collision": "collision_error",
-    "benchmark": "seconds",
-    "state": "a2",
+
+@dataclass(frozen=True)
+class Kind:
+    """How runs of one kind become a table.
+
+    Attributes
+    ----------
+    table : callable
+        Makes the table's columns, and the attribute `swept`.
+    quantity : str
+        The table's quantity where the study file asks for no table.
+    as_built : bool
+        Whether the columns come in reading order; others get the order of
+        `granstudy.analysis.columns.COLUMNS`.
+    one_file : bool
+        Whether all runs share one file; by default each has its own.
+    """
+
+    table: Callable[[TableSource], xr.Dataset]
+    quantity: str
+    as_built: bool = False
+    one_file: bool = False
+
+
+def _evolution(source: TableSource) -> xr.Dataset:
+    """The table of evolutions, beside a truth where they have one."""
+    return truth_table(source) if source.experiment.has_truth else evolution_table(source)
+
+
+KINDS: dict[str, Kind] = {
+    "evolution": Kind(_evolution, "temperature"),
+    "collision": Kind(collision_table, "collision_error"),
+    "benchmark": Kind(benchmark_table, "seconds", one_file=True),
+    "state": Kind(state_table, "a2", as_built=True),
 }
+"""Kinds of runs, as a study file's ``run`` names them."""
+
+KEPT = ("swept", "quantity", "refined", "paper_quantity", "dim", "state", "beside", "truth")
+"""Attributes of a table that its file keeps, beside title and conventions."""
 
 
 def experiment_table(
     experiment: Experiment,
-    runs: dict[str, Run],
-    files: list[str],
+    runs: Mapping[str, Run],
+    files: Sequence[str],
     beside: Sequence[xr.Dataset] = (),
 ) -> xr.Dataset:
     """Table of an experiment, a row (dimension ``run``) for each run.
@@ -53,7 +84,7 @@ def experiment_table(
         What the study file says: which quantity, which of the paper's tables, which fit.
     runs : dict of Run
         The experiment's runs by path, references among them.
-    files : list of str
+    files : sequence of str
         Their files in the same order; of a benchmark its one file.
     beside : sequence of Dataset
         Tables of the experiments that stand beside states, as the study file lists them.
@@ -69,41 +100,50 @@ def experiment_table(
     Raises
     ------
     ValueError
-        For a quantity, fit or printed table that the runs do not fit.
+        For a quantity, fit or printed table that the runs do not fit; for a column that has no row in
+        `granstudy.analysis.columns.COLUMNS`.
     """
-    rows: Rows = []
-    if experiment.run == "benchmark":
-        table = _benchmark(files)
-    else:
-        paths = [(path, run, file) for (path, run), file in zip(runs.items(), files, strict=True)]
-        for path, _, file in paths:
-            if not file.endswith(f"{path}.nc"):
-                raise ValueError(f"{file}: is not the file of run {path}")
-        rows = [(run, file) for _, run, file in paths if not run.is_reference]
-        by_path = {path: file for path, _, file in paths}
-        if experiment.run == "evolution" and experiment.truth is not None:
-            table = _with_swept(truth_table(rows, by_path), rows)
-            if experiment.table is not None and experiment.table.seconds:
-                table = _with_seconds(table, rows)
-        elif experiment.run == "evolution":
-            table = _evolution(rows, experiment.table)
-        elif experiment.run == "state":
-            table = _with_swept(state_table(rows), rows)
-            names = experiment.table.beside if experiment.table else []
-            table = with_beside(table, dict(zip(names, beside, strict=True)))
-        else:
-            table = _collision(rows, by_path)
-    asked = experiment.table
-    quantity = asked.quantity if asked else DEFAULT_QUANTITY[experiment.run]
-    numbers = [str(name) for name, v in table.data_vars.items() if v.dtype.kind == "f"]
-    if quantity not in numbers:
-        raise unknown_name("quantity", quantity, numbers)
-    table.attrs["quantity"] = quantity
+    kind, asked = KINDS[experiment.run], experiment.table
+    source = TableSource(
+        experiment=experiment,
+        runs=runs,
+        files=files,
+        beside=beside,
+        quantity=asked.quantity if asked else kind.quantity,
+    )
+    if not kind.one_file:
+        _check_files(source)
     if experiment.fit is not None:
-        table = _with_fit(table, experiment.fit, rows)
+        check_law(experiment.fit.law)
+    table = kind.table(source)
+    check_quantity(source.quantity, table)
+    table.attrs["quantity"] = source.quantity
+    if experiment.fit is not None:
+        table = FITS[experiment.fit.law].add(table, source)
     if asked and asked.paper:
-        table = _with_paper(table, asked.paper, printed_quantity(asked.paper, quantity))
-    return _finish(table, experiment)
+        table = with_paper(table, asked.paper, printed_quantity(asked.paper, source.quantity))
+    return _titled(_ordered(table, kind), experiment.title)
+
+
+def _check_files(source: TableSource) -> None:
+    """Raise ValueError unless every run has its own file."""
+    for path, file in source.by_path.items():
+        if not file.endswith(f"{path}.nc"):
+            raise ValueError(f"{file}: is not the file of run {path}")
+
+
+def _ordered(table: xr.Dataset, kind: Kind) -> xr.Dataset:
+    """The table with its columns in reading order."""
+    names = [str(name) for name in table.data_vars]
+    beside = table.attrs.get("beside", "").split()
+    return table[reading_order(names, table.attrs["quantity"], beside, kind.as_built)]
+
+
+def _titled(table: xr.Dataset, title: str) -> xr.Dataset:
+    """The table with what it is as attributes."""
+    kept = {key: table.attrs[key] for key in KEPT if key in table.attrs}
+    table.attrs = {"title": title, "Conventions": CONVENTIONS, **kept}
+    return table
 
 
 def write_table(
@@ -140,45 +180,3 @@ def _cell(name: str, value: xr.DataArray) -> str:
     if value.dtype.kind == "f":
         return "" if np.isnan(value) else f"{value.item():.10g}"
     return str(value.item())
-
-
-def _finish(table: xr.Dataset, experiment: Experiment) -> xr.Dataset:
-    """Put the columns into reading order, and say what the table is."""
-    quantity = table.attrs["quantity"]
-    first = [
-        quantity,
-        f"{quantity}_standard_error",
-        "slope",
-        "slope_error",
-        "C0",
-        "C0_error",
-        "C0_theory",
-        "paper",
-        "ratio",
-        "has_paper",
-        "order",
-    ]
-    beside = {
-        "evolution": [
-            "temperature_error",
-            "temperature",
-            "temperature_standard_error",
-            *(["a2", "seconds"] if "slope" in table else []),
-            "density_drift",
-        ],
-        "state": columns(table) if experiment.run == "state" else [],
-        "collision": ["relative_error"],
-        "benchmark": [str(name) for name in table.data_vars],
-    }[experiment.run]
-    if experiment.has_truth:
-        beside = [*COLUMNS, "seconds"]
-    names = [name for name in (*first, *beside, "status") if name in table]
-    kept = ("swept", "quantity", "refined", "paper_quantity", "dim", "state", "beside", "truth")
-    attributes = {key: table.attrs[key] for key in kept if key in table.attrs}
-    table = table[[*dict.fromkeys(name for name in names if name != "status"), "status"]]
-    table.attrs = {
-        "title": experiment.title,
-        "Conventions": CONVENTIONS,
-        **attributes,
-    }
-    return table

@@ -1,50 +1,43 @@
-"""Runs beside their truth: errors of T and a2, what the runs themselves said of them, and their labels."""
+"""Runs beside their truth: errors of T and a2, the runs' own estimates of them, their labels."""
 
 from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
 
+from granstudy.analysis.columns import attributes
+from granstudy.analysis.source import TableSource
+from granstudy.analysis.tables.runs import with_seconds, with_swept
 from granstudy.datasets.netcdf import read_dataset
 from granstudy.datasets.open_runs import final_values
 from granstudy.study.run import Run
-from granstudy.study.schema.experiment import EvolutionExperiment
+from granstudy.study.schema.experiment import EvolutionExperiment, TruthModel
 from granstudy.trust.truth import Truth, errors, maxwell_truth, truth_of_dataset
 
-COLUMNS = (
+MEASURES = (
     "largest_temperature_error",
     "temperature_error_estimate",
     "largest_a2_error",
     "a2_error_estimate",
-    "trust",
-    "temperature",
-    "a2",
 )
-"""What the table says of a run, beside its status."""
+"""Errors of T and a2, each with the largest that the run itself estimated."""
 
-LONG_NAMES = {
-    "largest_temperature_error": "largest |T/T_truth − 1| over the output times reached",
-    "largest_a2_error": "largest |a2 − a2_truth| over the output times reached",
-    "temperature_error_estimate": "largest relative error of T that the run itself estimated",
-    "a2_error_estimate": "largest error of a2 that the run itself estimated",
+AT_THE_END = {
     "temperature": "T at the last time reached",
     "a2": "kurtosis excess at the last time reached",
 }
+"""Long names of moments, which a run that diverged has up to there."""
 
 
-def truth_table(rows: list[tuple[Run, str]], files: dict[str, str]) -> xr.Dataset:
-    """A row for each run, all parameters along ``run``; the columns are `COLUMNS` and `status`.
+def truth_table(source: TableSource) -> xr.Dataset:
+    """A row for each run: `MEASURES`, its label, T and a2 at its end, `status`, seconds if asked for.
 
-    Parameters
-    ----------
-    rows : list of (Run, str)
-        Runs of an experiment with a truth, and their files.
-    files : dict of str
-        Files of all its runs, truths among them, by path.
+    The attribute `truth` says what the runs are held against.
     """
-    with final_values([file for _, file in rows]) as final:
-        table = final[["temperature", "a2", "trust", "status"]].load()
-    columns: dict[str, list[float]] = {name: [] for name in COLUMNS[:4]}
+    rows, files = source.rows, source.by_path
+    with final_values([row.file for row in rows]) as final:
+        table = final[[*AT_THE_END, "trust", "status"]].load()
+    columns: dict[str, list[float]] = {name: [] for name in MEASURES}
     sources: dict[str, None] = {}
     for run, file in rows:
         ds = read_dataset(file)
@@ -54,17 +47,22 @@ def truth_table(rows: list[tuple[Run, str]], files: dict[str, str]) -> xr.Datase
         columns["largest_a2_error"].append(found.a2)
         for name in ("temperature_error_estimate", "a2_error_estimate"):
             columns[name].append(float(ds[name].max()) if ds.sizes["time"] else np.nan)
-        known = (
-            f" (T known to {truth.temperature_uncertainty:.1e}, a2 to {truth.a2_uncertainty:.1e})"
-            if truth.temperature_uncertainty
-            else ""
-        )
-        sources[truth.source + known] = None
-    table = table.assign({name: ("run", values) for name, values in columns.items()})
-    for name, long_name in LONG_NAMES.items():
+        sources[_known(truth)] = None
+    for name, values in columns.items():
+        table[name] = ("run", values, attributes(name))
+    for name, long_name in AT_THE_END.items():
         table[name].attrs = {"long_name": long_name, "units": "1"}
+    table = with_swept(table, rows)
     table.attrs["truth"] = "; ".join(sources)
-    return table
+    assert isinstance(source.experiment, EvolutionExperiment)
+    asked = source.experiment.table
+    return with_seconds(table, rows) if asked and asked.seconds else table
+
+
+def truth_model(run: Run) -> TruthModel:
+    """What the study file says of a run's truth."""
+    assert isinstance(run.model, EvolutionExperiment) and run.model.truth is not None
+    return run.model.truth
 
 
 def truth_of(run: Run, files: Mapping[str, str], times: np.ndarray) -> Truth:
@@ -73,13 +71,20 @@ def truth_of(run: Run, files: Mapping[str, str], times: np.ndarray) -> Truth:
     Parameters
     ----------
     run : Run
-        Of an experiment with a truth.
+        A run of an experiment with a truth.
     files : dict of str
         Files of the experiment's runs, its truths among them, by path.
     times : ndarray
         Where an exact law is evaluated; a run that serves as truth has its own.
     """
-    assert isinstance(run.model, EvolutionExperiment) and run.model.truth is not None
-    if run.model.truth.law is not None:
+    if truth_model(run).law is not None:
         return maxwell_truth(run.scene, times)
     return truth_of_dataset(read_dataset(files[run.truth.path]))
+
+
+def _known(truth: Truth) -> str:
+    """The source of a truth, and how well T and a2 are known by it."""
+    if not truth.temperature_uncertainty:
+        return truth.source
+    T, a2 = truth.temperature_uncertainty, truth.a2_uncertainty
+    return f"{truth.source} (T known to {T:.1e}, a2 to {a2:.1e})"

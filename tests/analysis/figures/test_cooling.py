@@ -4,11 +4,8 @@ import numpy as np
 import pytest
 
 import granstudy as gs
-from granstudy.analysis.figures.figure import draw
 from granstudy.analysis.tables.fits import local_slope
-from granstudy.analysis.tables.table import experiment_table
-from granstudy.study.execute import execute
-from granstudy.study.study import load_study
+from granstudy.datasets.netcdf import run_seconds
 
 STUDY = """
 title: decades
@@ -27,21 +24,16 @@ experiments:
 """
 
 
-def test_the_slope_of_the_last_decade(tmp_path):
-    (tmp_path / "decades.yaml").write_text(STUDY)
-    study = load_study(tmp_path / "decades.yaml")
-    experiment, runs = study.model.experiments["haff"], study.runs["haff"]
-    files = [str(tmp_path / f"{path}.nc") for path in runs]
-    for run, file in zip(runs.values(), files, strict=True):
-        gs.write_dataset(execute(run, threads=1), file, duration=2.5)
-    table = experiment_table(experiment, runs, files)
+def test_the_slope_of_the_last_decade(made):
+    table, files = made.tables["haff"], made.files["haff"]
     assert table["slope"].values == pytest.approx(-2.0, abs=1e-3)
     # the last decade begins at t = 10⁴, where Haff's law is 2/(C0 t) short of its limit
-    K = [float(gs.cooling_state(r.scene, r.solver)["cooling_coefficient"]) for r in runs.values()]
+    runs = made.study.runs["haff"].values()
+    K = [float(gs.cooling_state(r.scene, r.solver)["cooling_coefficient"]) for r in runs]
     at = 10**4.1
     assert table["slope_error"].values == pytest.approx([4 / (k * at) for k in K], rel=0.05)
-    assert table["seconds"].values.tolist() == [2.5, 2.5]
-    left, right = draw(experiment, table, files).axes
+    assert table["seconds"].values.tolist() == [run_seconds(file) for file in files]
+    left, right = made.draw("haff").axes
     T = gs.open_runs(files)["temperature"].values[:, 1:]
     time = left.lines[0].get_xdata()
     for i in range(2):

@@ -2,37 +2,19 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import granstudy as gs
-from granstudy.analysis.figures.figure import PAPER, draw, save_figure
-from granstudy.study.schema.experiment import Experiment
+from granstudy.analysis.figures.figure import draw, save_figure
+from granstudy.analysis.figures.style import PAPER
+from granstudy.study.schema.experiment import BenchmarkExperiment, EvolutionExperiment
 
 
 def experiment(kind, x=None):
-    run = "benchmark" if kind == "speed" else "evolution"
-    return Experiment.model_validate(
-        {
-            "title": "a title",
-            "run": run,
-            "scene": {"name": "bkw2d"},
-            "time": {"t_final": 1.0} if run == "evolution" else None,
-            "sweep": [{"N": [8]}],
-            "figure": {"kind": kind, "x": x},
-        }
-    )
-
-
-def table_of(rows, swept, quantity, **attributes):
-    """A table as `experiment_table` makes it, out of rows of swept values, ours and the paper's."""
-    columns = list(zip(*rows, strict=True))
-    coords = {name: ("run", list(values)) for name, values in zip(swept, columns, strict=False)}
-    data = {quantity: ("run", np.array(columns[len(swept)]))}
-    if len(columns) > len(swept) + 1:
-        data["paper"] = ("run", np.array(columns[len(swept) + 1], dtype=float))
-        attributes["paper_quantity"] = quantity
-    attributes |= {"swept": " ".join(swept), "quantity": quantity, "title": "a title"}
-    return xr.Dataset(data, coords, attributes)
+    common = {"title": "a title", "scene": {"name": "bkw2d"}, "sweep": [{"N": [8]}]}
+    common["figure"] = {"kind": kind, "x": x}
+    if kind == "speed":
+        return BenchmarkExperiment(run="benchmark", **common)
+    return EvolutionExperiment(run="evolution", time={"t_final": 1.0}, **common)
 
 
 def drawn(ax):
@@ -43,8 +25,9 @@ def drawn(ax):
     ]
 
 
-CONVERGENCE = table_of(
-    [
+@pytest.fixture(scope="session")
+def convergence(table_of):
+    rows = [
         (0.2, 16, "full", "literal", 1e-2, 1.1e-2),
         (0.2, 32, "full", "literal", 1e-4, 1.1e-4),
         (0.2, 16, "full", "fast", 2e-2, 1.1e-2),
@@ -52,14 +35,12 @@ CONVERGENCE = table_of(
         (0.8, 32, "separate", "fast", 4e-5, 5e-5),
         (0.8, 16, "separate", "fast", 4e-3, 5e-3),
         (0.8, 16, "full", "literal", 6e-3, 5e-3),
-    ],
-    ["e", "N", "variant", "method"],
-    "paper_temperature_error",
-)
+    ]
+    return table_of(rows, ["e", "N", "variant", "method"], "paper_temperature_error")
 
 
-def test_convergence_has_a_panel_for_each_e_and_variant():
-    figure = draw(experiment("convergence", "N"), CONVERGENCE, [])
+def test_convergence_has_a_panel_for_each_e_and_variant(convergence):
+    figure = draw(experiment("convergence", "N"), convergence, [])
     panels = {ax.get_title(): drawn(ax) for ax in figure.axes}
     assert set(panels) == {
         f"$e$ = {e}, {variant}" for e in (0.2, 0.8) for variant in ("full", "separate")
@@ -73,8 +54,8 @@ def test_convergence_has_a_panel_for_each_e_and_variant():
     assert list(line.get_xdata()) == [16, 32]
 
 
-def test_convergence_names_what_it_shows():
-    figure = draw(experiment("convergence", "N"), CONVERGENCE, [])
+def test_convergence_names_what_it_shows(convergence):
+    figure = draw(experiment("convergence", "N"), convergence, [])
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels == ["literal", "fast", PAPER]
     assert figure.get_suptitle() == "a title"
@@ -83,7 +64,7 @@ def test_convergence_names_what_it_shows():
     assert all(ax.get_yscale() == "log" for ax in figure.axes)
 
 
-def test_a_refined_step_gets_a_guide_of_slope_three():
+def test_a_refined_step_gets_a_guide_of_slope_three(table_of):
     rows = [(dt, 0.3 * dt**3) for dt in (0.1, 0.2, 0.4)]
     table = table_of(rows, ["dt"], "paper_temperature_error")
     table = table.assign_coords(method="fast")
@@ -93,12 +74,12 @@ def test_a_refined_step_gets_a_guide_of_slope_three():
     assert np.log(y1 / y0) / np.log(x1 / x0) == pytest.approx(3.0)
 
 
-def test_an_abscissa_that_is_not_swept_is_refused():
+def test_an_abscissa_that_is_not_swept_is_refused(convergence):
     with pytest.raises(ValueError, match="figure.x='M_sph': must be one of"):
-        draw(experiment("convergence", "M_sph"), CONVERGENCE, [])
+        draw(experiment("convergence", "M_sph"), convergence, [])
 
 
-def test_speed_shows_threads_and_the_paper():
+def test_speed_shows_threads_and_the_paper(table_of):
     rows = [
         (8, "direct", 1, 0.01, 0.03),
         (8, "literal", 1, 0.02, 0.02),
@@ -117,7 +98,7 @@ def test_speed_shows_threads_and_the_paper():
     assert lines[f"{PAPER}, fast, 10 cores"] == [(8, 0.02), (16, 0.14)]
 
 
-def test_cooling_shows_runs_and_their_fits_with_densities_kept_on_any_grids(tmp_path):
+def test_cooling_shows_runs_and_their_fits_with_densities_kept_on_any_grids(table_of, tmp_path):
     files = []
     for e, N in ((0.2, 8), (0.8, 12)):
         scene = gs.load_scene("bkw2d", restitution=e)
@@ -135,9 +116,9 @@ def test_cooling_shows_runs_and_their_fits_with_densities_kept_on_any_grids(tmp_
     np.testing.assert_allclose(left.lines[1].get_ydata(), T[0, 0] / (1.0 + 0.3 * t) ** 2)
 
 
-def test_files_are_whole_and_the_same_each_time(tmp_path):
+def test_files_are_whole_and_the_same_each_time(convergence, tmp_path):
     for copy in ("a", "b"):
-        figure = draw(experiment("convergence", "N"), CONVERGENCE, [])
+        figure = draw(experiment("convergence", "N"), convergence, [])
         save_figure(figure, tmp_path / f"{copy}.png", tmp_path / f"{copy}.svg")
     for suffix in ("png", "svg"):
         content = (tmp_path / f"a.{suffix}").read_bytes()

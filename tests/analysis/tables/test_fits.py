@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from granstudy.analysis.tables.fits import fit_haff, fit_order, local_slope
+from granstudy.analysis.tables.fits import fit_haff, fit_order, growth_exponent, local_slope
 from granstudy.theory import haff_temperature
 
 
@@ -75,3 +75,10 @@ def test_the_local_slope_of_a_power_and_of_haffs_law():
     at, slope = local_slope(t, (1.0 + C0 * t) ** -2)
     np.testing.assert_allclose(slope, -2 * C0 * at / (1 + C0 * at), atol=2e-3)
     np.testing.assert_allclose((slope + 2)[-5:] * C0 * at[-5:], 2.0, rtol=0.02)
+
+
+def test_the_exponent_of_a_power_leaves_out_what_is_too_small_to_measure():
+    N = np.array([8, 16, 32, 64])
+    assert growth_exponent(N, 3.0 * N**2.5) == pytest.approx(2.5)
+    assert growth_exponent(N, np.array([9.0, 16.0**3, 32.0**3, 64.0**3]), 10.0) == pytest.approx(3)
+    assert np.isnan(growth_exponent(N, np.array([0.0, 0.0, np.nan, 20.0]), 10.0))

@@ -1,22 +1,18 @@
 """States in a study: their runs, their table beside theory and other experiments, their figure."""
 
 import json
-import shutil
 
 import numpy as np
 import pytest
 
 import granstudy as gs
 from granstudy import theory
-from granstudy.analysis.figures.figure import draw
 from granstudy.analysis.figures.states import NOT_TRUSTED, UNIT
 from granstudy.analysis.tables.markdown import markdown_table
 from granstudy.analysis.tables.plan import study_forecasts
-from granstudy.analysis.tables.table import csv_table, experiment_table, write_table
-from granstudy.study.execute import execute
-from granstudy.study.run_key import run_fingerprint, run_key
-from granstudy.study.study import load_study
-from granstudy.support import fingerprint as module
+from granstudy.analysis.tables.table import csv_table, write_table
+from granstudy.study.estimates import estimate_run
+from granstudy.study.run_key import run_key
 from granstudy.trust.flags import Trust
 
 STUDY = """
@@ -72,34 +68,9 @@ experiments:
     table: {quantity: a2, beside: [marching]}
 """
 
-BESIDE = {"cooling": ["particles"], "direct": ["marching"]}
 
-
-def load(path, old="", new=""):
-    assert old in STUDY
-    path.write_text(STUDY.replace(old, new, 1) if old else STUDY)
-    return load_study(path)
-
-
-@pytest.fixture(scope="module")
-def tables(tmp_path_factory):
-    """Every experiment's table, and its files."""
-    folder = tmp_path_factory.mktemp("states")
-    study = load(folder / "states.yaml")
-    files, found = {}, {}
-    for name in ("particles", "marching", "cooling", "maxwell", "direct"):
-        files[name] = []
-        for path, run in study.runs[name].items():
-            files[name].append(str(folder / name / f"{path}.nc"))
-            gs.write_dataset(execute(run, threads=1), files[name][-1], duration=1.0)
-        others = [found[other] for other in BESIDE.get(name, [])]
-        experiment = study.model.experiments[name]
-        found[name] = experiment_table(experiment, study.runs[name], files[name], others)
-    return study, files, found
-
-
-def test_a_run_is_the_state_that_python_finds(tables):
-    study, files, found = tables
+def test_a_run_is_the_state_that_python_finds(made):
+    study, files, found = made.study, made.files, made.tables
     run = study.run("cooling", "e~0.8")
     state = gs.cooling_state(run.scene, run.solver)
     for name in ("a2", "a3", "cooling_coefficient"):
@@ -111,8 +82,8 @@ def test_a_run_is_the_state_that_python_finds(tables):
     assert float(last["a2"].sel(e=0.8)) == float(state["a2"])
 
 
-def test_theory_stands_beside(tables):
-    _, _, found = tables
+def test_theory_stands_beside(made):
+    found = made.tables
     hard = found["cooling"]
     for i, e in enumerate((0.6, 0.8)):
         assert float(hard["a2_linear"][i]) == theory.cooling_state_a2(e)
@@ -125,9 +96,9 @@ def test_theory_stands_beside(tables):
     assert np.all(error[2:].values < 1e-4) and "tail_exponent" not in maxwell
 
 
-def test_particles_stand_beside_the_same_gases(tables):
+def test_particles_stand_beside_the_same_gases(made):
     """At the one e that both sweep, within their errors; at others there is no number."""
-    _, _, found = tables
+    found = made.tables
     table, particles = found["cooling"], found["particles"]
     assert np.isnan(table["a2_particles"][0])
     assert float(table["a2_particles"][1]) == float(particles["a2"][0])
@@ -137,15 +108,15 @@ def test_particles_stand_beside_the_same_gases(tables):
     assert "temperature_particles" not in table
 
 
-def test_marching_and_solving_come_to_the_same_heated_state(tables):
-    table = tables[2]["direct"]
+def test_marching_and_solving_come_to_the_same_heated_state(made):
+    table = made.tables["direct"]
     for name in ("a2", "temperature"):
         assert abs(float(table[f"{name}_marching_difference"][0])) < 1e-6
     assert "a2_marching_standard_error" not in table
 
 
-def test_tables_are_written(tables, tmp_path):
-    table = tables[2]["cooling"]
+def test_tables_are_written(made, tmp_path):
+    table = made.tables["cooling"]
     write_table(table, *(tmp_path / f"cooling.{kind}" for kind in ("nc", "csv", "md")))
     assert gs.read_dataset(tmp_path / "cooling.nc").attrs["state"] == "cooling"
     header, _, second = csv_table(table).splitlines()
@@ -154,9 +125,9 @@ def test_tables_are_written(tables, tmp_path):
     assert f"| {float(table['a2'][1]):.6f} |" in markdown_table(table)
 
 
-def test_a_figure_shows_table_and_theory(tables):
-    study, _, found = tables
-    upper, lower = draw(study.model.experiments["cooling"], found["cooling"], []).axes
+def test_a_figure_shows_table_and_theory(made):
+    found = made.tables
+    upper, lower = made.draw("cooling").axes
     lines = {line.get_label(): line for line in upper.lines}
     np.testing.assert_array_equal(lines["solved for"].get_ydata(), found["cooling"]["a2"])
     curve = lines["linear theory (van Noije & Ernst)"]
@@ -166,7 +137,7 @@ def test_a_figure_shows_table_and_theory(tables):
     segment = bars.lines[2][0].get_segments()[1]
     width = 4 * float(found["cooling"]["a2_particles_standard_error"][1]) / UNIT
     assert segment[1, 1] - segment[0, 1] == pytest.approx(width)
-    upper, lower = draw(study.model.experiments["maxwell"], found["maxwell"], []).axes
+    upper, lower = made.draw("maxwell").axes
     assert lower.get_yscale() == "log"
     coarse = next(line for line in lower.lines if line.get_label() == "$N$ = 14, $R$ = 8")
     np.testing.assert_array_equal(coarse.get_ydata(), found["maxwell"]["a2_error"][:2])
@@ -174,49 +145,30 @@ def test_a_figure_shows_table_and_theory(tables):
     assert bool(untrusted) == bool(np.any(found["maxwell"]["trust"] != Trust.TRUSTED))
 
 
-def test_a_figure_needs_states(tables):
-    study, _, found = tables
+def test_a_figure_needs_states(made):
     with pytest.raises(ValueError, match="particles: is no table of states swept over e"):
-        draw(study.model.experiments["cooling"], found["particles"], [])
+        made.draw("cooling", table=made.tables["particles"])
 
 
-def test_what_a_state_will_take(tables):
+def test_what_a_state_will_take(made):
     """The solver of an isotropic state is chosen for it, and its evaluations of Q are counted."""
-    study, files, _ = tables
+    study, files = made.study, made.files
     (run,) = study.runs["direct"].values()
-    assert run.choice.solver.method == "radial"
+    estimate = estimate_run(run)
+    assert estimate.choice.solver.method == "radial"
     chosen = json.loads(gs.read_dataset(files["direct"][0]).attrs["solver"])
-    assert chosen["N"] == run.choice.solver.N
+    assert chosen["N"] == estimate.choice.solver.N
     forecast = dict(study_forecasts(study))["direct/e~0.7"]
-    assert forecast.evaluations == run.evaluations > 2 * chosen["N"]
-    assert forecast.seconds > run.evaluations * forecast.seconds_per_evaluation
-    assert run.cost.evaluations == run.evaluations
+    assert forecast.evaluations == estimate.evaluations > 2 * chosen["N"]
+    assert forecast.seconds > estimate.evaluations * forecast.seconds_per_evaluation
+    assert estimate.cost.evaluations == estimate.evaluations
 
 
-def test_keys_of_states_are_their_own(tables, tmp_path):
-    study = tables[0]
+def test_keys_of_states_are_their_own(made, tmp_path):
+    study = made.study
     run = study.run("cooling", "e~0.8")
     assert json.loads(run.parameters())["run"] == "cooling state"
     assert run_key(run) != run_key(study.run("cooling", "e~0.6"))
-
-
-def test_an_edit_of_newtons_method_changes_states_alone(tmp_path, monkeypatch):
-    copy = tmp_path / "granstudy"
-    shutil.copytree(module.PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
-
-    def prints():
-        module.imported_modules.cache_clear()
-        module._tree.cache_clear()
-        return {kind: run_fingerprint(kind, "radial") for kind in ("state", "evolution")}
-
-    before = prints()
-    monkeypatch.setattr(module, "PACKAGE", copy)
-    path = copy / "states" / "newton.py"
-    path.write_text(path.read_text().replace("DENSE = 256", "DENSE = 200"))
-    after = prints()
-    assert {kind for kind in after if after[kind] != before[kind]} == {"state"}
-    module.imported_modules.cache_clear()
-    module._tree.cache_clear()
 
 
 @pytest.mark.parametrize(
@@ -242,29 +194,25 @@ def test_an_edit_of_newtons_method_changes_states_alone(tmp_path, monkeypatch):
         ),
     ],
 )
-def test_mistakes(tmp_path, old, new, message):
+def test_mistakes(load, old, new, message):
     with pytest.raises(ValueError, match=message):
-        load(tmp_path / "test.yaml", old, new)
+        load(old, new)
 
 
-def test_averages_are_of_particles(tables):
-    study, files, _ = tables
-    asked = study.model.experiments["particles"].table
-    experiment = study.model.experiments["marching"].model_copy(update={"table": asked})
+def test_averages_are_of_particles(made):
+    asked = made.experiment("particles").table
+    experiment = made.experiment("marching").model_copy(update={"table": asked})
     with pytest.raises(ValueError, match="table.average: only method 'dsmc' has it, not e~0.7"):
-        experiment_table(experiment, study.runs["marching"], files["marching"])
+        made.table("marching", experiment)
 
 
-def test_other_tables_must_be_of_the_same_gases(tables):
-    study, files, found = tables
-    experiment = study.model.experiments["cooling"]
-    twice = found["maxwell"]
+def test_other_tables_must_be_of_the_same_gases(made):
+    found = made.tables
     with pytest.raises(ValueError, match="'particles': has several runs with the same e"):
-        experiment_table(experiment, study.runs["cooling"], files["cooling"], [twice])
+        made.table("cooling", beside=[found["maxwell"]])
     with pytest.raises(ValueError, match="table.beside='particles': its table has no a2"):
-        without = found["particles"].drop_vars("a2")
-        experiment_table(experiment, study.runs["cooling"], files["cooling"], [without])
+        made.table("cooling", beside=[found["particles"].drop_vars("a2")])
     other = found["particles"].copy()
     other.attrs["swept"] = "N"
     with pytest.raises(ValueError, match="table.beside='particles': sweeps none of e"):
-        experiment_table(experiment, study.runs["cooling"], files["cooling"], [other])
+        made.table("cooling", beside=[other])

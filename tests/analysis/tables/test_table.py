@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 import granstudy as gs
-from granstudy.analysis.figures.figure import draw, save_figure
-from granstudy.analysis.tables.table import experiment_table, write_table
-from granstudy.study.execute import execute_job
-from granstudy.study.run_key import run_key
-from granstudy.study.study import load_study
+from granstudy.analysis.figures.figure import save_figure
+from granstudy.analysis.tables.runs import collision_table
+from granstudy.analysis.tables.table import KINDS, Kind, write_table
+from granstudy.study.schema.experiment import EvolutionExperiment
 
 STUDY = """
 title: tiny
@@ -47,24 +46,8 @@ experiments:
 """
 
 
-@pytest.fixture(scope="module")
-def tables(tmp_path_factory):
-    """Table, run files and experiment by name."""
-    folder = tmp_path_factory.mktemp("study")
-    (folder / "tiny.yaml").write_text(STUDY)
-    study = load_study(folder / "tiny.yaml")
-    made = {}
-    for name, runs in study.runs.items():
-        files = [str(folder / "runs" / name / f"{path}.nc") for path in runs]
-        keys = [run_key(run) for run in runs.values()]
-        execute_job(list(runs.values()), keys, files, 1, folder / "unfinished")
-        experiment = study.model.experiments[name]
-        made[name] = (experiment_table(experiment, runs, files), files, experiment)
-    return folder, made
-
-
-def test_ours_stands_beside_the_printed_number(tables):
-    table = tables[1]["table1"][0]
+def test_ours_stands_beside_the_printed_number(made):
+    table = made.tables["table1"]
     assert table.sizes == {"run": 8}
     literal = table.isel(run=(table["method"] == "literal").values)
     # dt = 0.1 instead of 0.01 shows in the digits only where the error is small
@@ -72,13 +55,13 @@ def test_ours_stands_beside_the_printed_number(tables):
     np.testing.assert_allclose(literal["paper"][0], 9.21116565e-01)
 
 
-def test_the_order_is_three(tables):
-    table = tables[1]["order"][0]
+def test_the_order_is_three(made):
+    table = made.tables["order"]
     np.testing.assert_allclose(table["order"], 3.0, atol=0.1)
 
 
-def test_collision_errors_are_measured_against_the_reference(tables):
-    table, files, _ = tables[1]["errors"]
+def test_collision_errors_are_measured_against_the_reference(made):
+    table, files = made.tables["errors"], made.files["errors"]
     assert list(table["M_cir"].values) == [4, 8]
     by_path = {file.split("/errors/")[1]: gs.read_dataset(file)["Q"].values for file in files}
     expected = np.max(np.abs(by_path["M_cir~4.nc"] - by_path["reference.nc"]))
@@ -86,22 +69,20 @@ def test_collision_errors_are_measured_against_the_reference(tables):
     assert table["collision_error"][1] < table["collision_error"][0]
 
 
-def test_tables_and_figures_are_written_and_the_same_each_time(tables, tmp_path):
-    for name, (table, files, experiment) in tables[1].items():
+def test_tables_and_figures_are_written_and_the_same_each_time(made, tmp_path):
+    for name, table in made.tables.items():
         for copy in ("a", "b"):
             stem = tmp_path / copy / name
             write_table(table, *(stem.with_suffix(s) for s in (".nc", ".csv", ".md")))
-            save_figure(
-                draw(experiment, table, files), stem.with_suffix(".png"), stem.with_suffix(".svg")
-            )
+            save_figure(made.draw(name), stem.with_suffix(".png"), stem.with_suffix(".svg"))
     names = sorted(p.name for p in (tmp_path / "a").iterdir())
-    assert len(names) == 5 * len(tables[1])
+    assert len(names) == 5 * len(made.tables)
     for name in names:
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
 
 
-def test_runs_open_as_one_array_over_the_swept_parameters(tables):
-    folder = tables[0]
+def test_runs_open_as_one_array_over_the_swept_parameters(made):
+    folder = made.folder
     over = ("e", "N", "method")
     one = gs.read_dataset(folder / "runs/table1/e~0.2/N~16/variant~full/method~fast.nc")
     with gs.final_values(folder / "runs/table1") as final:
@@ -112,3 +93,34 @@ def test_runs_open_as_one_array_over_the_swept_parameters(tables):
     with gs.final_values(sorted((folder / "runs/table1").rglob("*.nc"))[:-1]) as partial:
         holes = gs.unstack_runs(partial, over)["status"].compute()
     assert int((holes == -1).sum()) == 1
+
+
+def test_a_column_that_nobody_listed_is_an_error_that_names_it(made, monkeypatch):
+    def with_more(source):
+        return collision_table(source).assign(surprise=("run", [1.0, 2.0]))
+
+    monkeypatch.setitem(KINDS, "collision", Kind(with_more, "collision_error"))
+    with pytest.raises(ValueError, match="column 'surprise': has no row in"):
+        made.table("errors")
+
+
+@pytest.mark.parametrize(
+    ("table", "fit", "message"),
+    [
+        (
+            {"quantity": "temperture"},
+            None,
+            "unknown quantity 'temperture' .did you mean 'temperature'",
+        ),
+        (
+            {"quantity": "a2", "paper": "figure4"},
+            None,
+            "paper='figure4': prints C0, which the table",
+        ),
+        ({"quantity": "a2"}, {"law": "order", "x": "N"}, "fit.x='N': an order is fitted against"),
+    ],
+)
+def test_what_the_runs_do_not_fit_is_refused(made, table, fit, message):
+    model = made.experiment("order").model_dump(exclude_unset=True) | {"table": table, "fit": fit}
+    with pytest.raises(ValueError, match=message):
+        made.table("order", EvolutionExperiment.model_validate(model))

@@ -1,0 +1,30 @@
+"""Which runs of a table belong together: those with equal values of some parameters."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+Key = tuple[Any, ...]
+"""Values of some parameters."""
+
+
+def values_of(table: xr.Dataset, name: str, absent: object = "") -> np.ndarray:
+    """A parameter's value for every run, swept or held fixed; ``absent`` where the table lacks it."""
+    values = table[name].values if name in table.coords else np.array(absent)
+    return np.broadcast_to(values, table.sizes["run"])
+
+
+def keys(table: xr.Dataset, names: Sequence[str]) -> list[Key]:
+    """The values of some parameters, run for run."""
+    columns = [values_of(table, name).tolist() for name in names]
+    return list(zip(*columns, strict=True)) if columns else [()] * table.sizes["run"]
+
+
+def groups(keys: Sequence[Key]) -> dict[Key, list[int]]:
+    """The runs of each key, in the order in which keys first occur."""
+    found: dict[Key, list[int]] = {}
+    for i, key in enumerate(keys):
+        found.setdefault(key, []).append(i)
+    return found
