@@ -83,7 +83,11 @@ def test_which_kinds_take_a_field_follows_from_their_classes(path, text):
             "    reference: {method: direct}\n    timing: {rounds: 1}\n",
             "experiments.single.timing: only benchmark runs take it",
         ),
-        ("title: test", "title: test\nsweep: []", "yaml: sweep: unknown field; allowed are title, "),
+        (
+            "title: test",
+            "title: test\nsweep: []",
+            "yaml: sweep: unknown field; allowed are title, ",
+        ),
         (
             "M_cir: [4, 8]",
             "dt: [0.1]",
