@@ -24,8 +24,13 @@ SCHEMA = Path("workflow/config/study.schema.json")
 """Where the JSON schema of study files lies in a checkout."""
 
 
-def check_words(study: StudyFile) -> None:
+def check_words(study: StudyFile, path: str | Path = "") -> None:
     """Check every word of a study file that the analysis has to know.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file, for the messages.
 
     Raises
     ------
@@ -38,7 +43,8 @@ def check_words(study: StudyFile) -> None:
             try:
                 check(word)
             except ValueError as error:
-                problems.append(f"experiments.{name}.{field}: {error}")
+                where = f"experiments.{name}.{field}"
+                problems.append(f"{path}: {where}: {error}" if path else f"{where}: {error}")
     if problems:
         raise ValueError("\n".join(problems))
 
