@@ -6,8 +6,10 @@ and symbols in `granstudy.datasets.parameters`.
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from granstudy.datasets.parameters import PARAMETERS
+from granstudy.support.variables import Variable
 
 
 @dataclass(frozen=True)
@@ -268,11 +270,11 @@ def column(name: str, beside: Sequence[str] = ()) -> Column:
     return made or Column(digits=own.digits, solved=own.solved)
 
 
-def attributes(name: str, beside: Sequence[str] = (), **words: object) -> dict[str, str]:
-    """Long name and units of a column that a table computes, its words filled in."""
+def computed(name: str, values: Any, beside: Sequence[str] = (), **words: object) -> Variable:
+    """A column that a table computes, over ``run``; ``words`` go into its long name."""
     own = column(name, beside)
-    found = {"long_name": own.long_name.format(**words), "units": own.units}
-    return {key: text for key, text in found.items() if text}
+    about = {"long_name": own.long_name.format(**words), "units": own.units}
+    return "run", values, {key: text for key, text in about.items() if text}
 
 
 def reading_order(

@@ -6,13 +6,14 @@ import numpy as np
 import xarray as xr
 
 from granstudy.analysis.groups import groups, keys, values_of
+from granstudy.model.methods import YARDSTICK
 
 TOLERANCE = ", rtol"
 SINGLE = ", single"
 ON_GPU = ", gpu"
 """Endings of a method's name for runs with a tolerance, in single precision, on a GPU."""
 
-PAPERS_OWN = ("literal", "full")
+PAPERS_OWN = (YARDSTICK, "full")
 """Method and variant that reproduce the paper: before all others in tables, under them in figures."""
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from granstudy.analysis.columns import attributes
+from granstudy.analysis.columns import computed
 from granstudy.support.errors import unknown_name
 
 TABLES = (1, 2, 3, 4, 5, 6, 7, 8)
@@ -137,9 +137,9 @@ def with_paper(table: xr.Dataset, paper: str, quantity: str) -> xr.Dataset:
     has_paper = np.isfinite(printed)
     if not has_paper.any():
         raise ValueError(f"paper={paper!r}: prints no number for any of the runs")
-    units = {"units": table[quantity].attrs.get("units", "1")}
-    table["paper"] = ("run", printed, attributes("paper", of=quantity) | units)
-    table["ratio"] = ("run", table[quantity].values / printed, attributes("ratio"))
-    table["has_paper"] = ("run", has_paper, attributes("has_paper"))
+    table["paper"] = computed("paper", printed, of=quantity)
+    table["paper"].attrs["units"] = table[quantity].attrs.get("units", "1")
+    table["ratio"] = computed("ratio", table[quantity].values / printed)
+    table["has_paper"] = computed("has_paper", has_paper)
     table.attrs["paper_quantity"] = quantity
     return table

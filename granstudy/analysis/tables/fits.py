@@ -8,7 +8,7 @@ import xarray as xr
 from scipy.optimize import curve_fit
 
 from granstudy import theory
-from granstudy.analysis.columns import attributes
+from granstudy.analysis.columns import computed
 from granstudy.analysis.groups import groups, keys
 from granstudy.analysis.labels import families
 from granstudy.analysis.source import TableSource
@@ -119,7 +119,7 @@ def with_order(table: xr.Dataset, source: TableSource) -> xr.Dataset:
     for members in groups(keys(table, [name for name in swept if name != x])).values():
         error = table[source.quantity].values[members]
         order[members], _ = fit_order(table[x].values[members], error)
-    table["order"] = ("run", order, attributes("order", of=source.quantity, x=x))
+    table["order"] = computed("order", order, of=source.quantity, x=x)
     table.attrs["refined"] = x
     return table
 
@@ -207,5 +207,5 @@ def _columns(names: Sequence[str], rows: Sequence[tuple[float, ...]]) -> dict[st
 def _with_columns(table: xr.Dataset, columns: dict[str, np.ndarray]) -> xr.Dataset:
     """Add columns with the long names of `granstudy.analysis.columns.COLUMNS`."""
     for name, values in columns.items():
-        table[name] = ("run", values, attributes(name, least=LEAST_MEMORY_MB))
+        table[name] = computed(name, values, least=LEAST_MEMORY_MB)
     return table

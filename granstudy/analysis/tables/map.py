@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from granstudy.analysis.columns import attributes
+from granstudy.analysis.columns import computed
 from granstudy.analysis.groups import keys
 from granstudy.analysis.labels import run_text, telling_apart
 from granstudy.analysis.tables.markdown import github_table
@@ -72,7 +72,7 @@ def label_map(title: str, tables: Mapping[str, xr.Dataset]) -> xr.Dataset:
         breaks_rule(Trust(int(trust)), float(T), float(a2), Status(int(status)))
         for trust, T, a2, status in zip(*(joined[name].values for name in measured), strict=True)
     ]
-    joined["wrong"] = ("run", wrong, attributes("wrong"))
+    joined["wrong"] = computed("wrong", wrong)
     joined.attrs = {
         "title": title,
         "Conventions": CONVENTIONS,

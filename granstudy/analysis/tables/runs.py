@@ -2,13 +2,12 @@
 
 from collections.abc import Sequence
 from contextlib import ExitStack
-from typing import Any
 
 import dask
 import numpy as np
 import xarray as xr
 
-from granstudy.analysis.columns import DERIVED, attributes
+from granstudy.analysis.columns import DERIVED, computed
 from granstudy.analysis.source import Row, TableSource
 from granstudy.analysis.tables.fits import FITS
 from granstudy.datasets.netcdf import read_dataset, run_seconds
@@ -17,6 +16,7 @@ from granstudy.model.methods import METHODS
 from granstudy.particles.dataset import time_average
 from granstudy.study.schema.experiment import AverageModel, EvolutionExperiment
 from granstudy.support.errors import unknown_name
+from granstudy.support.variables import Variable, labelled
 from granstudy.trust.flags import Status
 
 BESIDE = ("temperature_error", "temperature", "temperature_standard_error", "density_drift")
@@ -75,7 +75,7 @@ def collision_table(source: TableSource) -> xr.Dataset:
     error = np.array([value.item() for value in errors])
     scale = np.array([value.item() for value in largest])
     for name, values in (("collision_error", error), ("relative_error", error / scale)):
-        table[name] = ("run", values, attributes(name))
+        table[name] = computed(name, values)
     return with_swept(table, rows)
 
 
@@ -113,10 +113,10 @@ def with_swept(table: xr.Dataset, rows: Sequence[Row]) -> xr.Dataset:
 def with_seconds(table: xr.Dataset, rows: Sequence[Row]) -> xr.Dataset:
     """Add the wall time of every run."""
     seconds = [run_seconds(file) for _, file in rows]
-    return table.assign(seconds=("run", seconds, attributes("seconds")))
+    return table.assign(seconds=computed("seconds", seconds))
 
 
-def _averages(rows: Sequence[Row], asked: AverageModel) -> dict[str, Any]:
+def _averages(rows: Sequence[Row], asked: AverageModel) -> dict[str, Variable]:
     """Averages over time in place of last values, with their standard errors over batches."""
     for run, _ in rows:
         if not run.solver.traits.by_particles:
@@ -129,6 +129,5 @@ def _averages(rows: Sequence[Row], asked: AverageModel) -> dict[str, Any]:
         long_name = f"{name}, averaged from t = {asked.start:g} on"
         for ending, values in (("", means), ("_standard_error", errors)):
             text = DERIVED[ending].long_name.format(of=long_name) if ending else long_name
-            about = {"long_name": text, "units": "1", "format": AVERAGE_DIGITS[ending]}
-            variables[name + ending] = ("run", values, about)
+            variables[name + ending] = labelled(values, text, "run", format=AVERAGE_DIGITS[ending])
     return variables

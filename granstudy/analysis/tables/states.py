@@ -1,19 +1,19 @@
 """Tables of states: numbers that were solved for, beside theory and beside other experiments."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from granstudy import theory
-from granstudy.analysis.columns import attributes, column
+from granstudy.analysis.columns import column, computed
 from granstudy.analysis.groups import keys
 from granstudy.analysis.source import Row, TableSource
 from granstudy.analysis.tables.runs import check_quantity, with_swept
 from granstudy.datasets.open_runs import final_values
 from granstudy.study.run import Run
 from granstudy.study.schema.experiment import StateExperiment
+from granstudy.support.variables import Variable, labelled
 
 COMPARED = {"cooling": ("a2",), "heated": ("a2", "temperature")}
 """Quantities compared with other experiments; a cooling state has no temperature of its own."""
@@ -75,7 +75,7 @@ def theory_a2(column: str, state: str, e: float, dim: int, exponent: float) -> f
     return LINEAR[state][column](e, dim, exponent)
 
 
-def _theories(table: xr.Dataset, rows: Sequence[Row]) -> dict[str, Any]:
+def _theories(table: xr.Dataset, rows: Sequence[Row]) -> dict[str, Variable]:
     """Theory for every run: linear in a2, or exact for Maxwell molecules, with the error of a2."""
     state, dim = table.attrs["state"], table.attrs["dim"]
     gases = [(_restitution(run), run.scene.kernel.exponent) for run, _ in rows]
@@ -89,7 +89,7 @@ def _theories(table: xr.Dataset, rows: Sequence[Row]) -> dict[str, Any]:
         if state == "cooling":
             tails = [theory.maxwell_tail_exponent(e, dim) for e, _ in gases]
             found["tail_exponent"] = np.array(tails)
-    return {name: ("run", values, attributes(name)) for name, values in found.items()}
+    return {name: computed(name, values) for name, values in found.items()}
 
 
 def _restitution(run: Run) -> float:
@@ -99,7 +99,9 @@ def _restitution(run: Run) -> float:
     return float(e)
 
 
-def _beside(table: xr.Dataset, quantity: str, others: Mapping[str, xr.Dataset]) -> dict[str, Any]:
+def _beside(
+    table: xr.Dataset, quantity: str, others: Mapping[str, xr.Dataset]
+) -> dict[str, Variable]:
     """Other experiments' numbers for the same gases, in one quantity.
 
     Runs are of the same gas where all swept parameters are equal that both tables sweep. For each name in
@@ -112,17 +114,18 @@ def _beside(table: xr.Dataset, quantity: str, others: Mapping[str, xr.Dataset]) 
         If the tables sweep no parameter in common, or another's lacks the quantity or has several runs of a
         gas.
     """
-    found: dict[str, Any] = {}
+    names, found = list(others), dict[str, Variable]()
     for name, other in others.items():
         runs = _same_gases(table, other, quantity, name)
-        column, of = f"{quantity}_{name}", f"{quantity} of {other.attrs['title']!r}"
+        theirs, of = f"{quantity}_{name}", f"{quantity} of {other.attrs['title']!r}"
+        error, difference = f"{theirs}_standard_error", f"{theirs}_difference"
         values = _taken(other[quantity], runs)
-        found[column] = ("run", values, {"long_name": of, "units": "1"})
-        if (error := f"{quantity}_standard_error") in other:
-            about = attributes(f"{column}_standard_error", list(others), of=of)
-            found[f"{column}_standard_error"] = ("run", _taken(other[error], runs), about)
-        about = attributes(f"{column}_difference", list(others), of=of, own=quantity)
-        found[f"{column}_difference"] = ("run", values - table[quantity].values, about)
+        less = values - table[quantity].values
+        found[theirs] = labelled(values, of, "run")
+        if f"{quantity}_standard_error" in other:
+            errors = _taken(other[f"{quantity}_standard_error"], runs)
+            found[error] = computed(error, errors, names, of=of)
+        found[difference] = computed(difference, less, names, of=of, own=quantity)
     return found
 
 

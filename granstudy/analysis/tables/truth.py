@@ -5,13 +5,14 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from granstudy.analysis.columns import attributes
+from granstudy.analysis.columns import computed
 from granstudy.analysis.source import TableSource
 from granstudy.analysis.tables.runs import with_seconds, with_swept
 from granstudy.datasets.netcdf import read_dataset
 from granstudy.datasets.open_runs import final_values
 from granstudy.study.run import Run
 from granstudy.study.schema.experiment import EvolutionExperiment, TruthModel
+from granstudy.support.variables import attributes
 from granstudy.trust.truth import Truth, errors, maxwell_truth, truth_of_dataset
 
 MEASURES = (
@@ -49,9 +50,9 @@ def truth_table(source: TableSource) -> xr.Dataset:
             columns[name].append(float(ds[name].max()) if ds.sizes["time"] else np.nan)
         sources[_known(truth)] = None
     for name, values in columns.items():
-        table[name] = ("run", values, attributes(name))
+        table[name] = computed(name, values)
     for name, long_name in AT_THE_END.items():
-        table[name].attrs = {"long_name": long_name, "units": "1"}
+        table[name].attrs = attributes(long_name)
     table = with_swept(table, rows)
     table.attrs["truth"] = "; ".join(sources)
     assert isinstance(source.experiment, EvolutionExperiment)
