@@ -18,14 +18,19 @@ from granstudy.study.schema.file import StudyFile
 from granstudy.support.errors import unknown_name
 
 WORDS = {("FigureModel", "kind"): list(FIGURES), ("FitModel", "law"): list(FITS)}
-"""What a field of a section may say, by section and field."""
+"""Known words by section and field."""
 
 SCHEMA = Path("workflow/config/study.schema.json")
 """Where the JSON schema of study files lies in a checkout."""
 
 
-def check_words(study: StudyFile) -> None:
+def check_words(study: StudyFile, path: str | Path = "") -> None:
     """Check every word of a study file that the analysis has to know.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file, for the messages.
 
     Raises
     ------
@@ -38,13 +43,14 @@ def check_words(study: StudyFile) -> None:
             try:
                 check(word)
             except ValueError as error:
-                problems.append(f"experiments.{name}.{field}: {error}")
+                where = f"experiments.{name}.{field}"
+                problems.append(f"{path}: {where}: {error}" if path else f"{where}: {error}")
     if problems:
         raise ValueError("\n".join(problems))
 
 
 def _words(experiment: Experiment) -> list[tuple[str, str, Callable[[str], None]]]:
-    """The words of an experiment: field, word, and what checks it."""
+    """Words of an experiment: field, word, and the function that checks it."""
     table, fit, figure = experiment.table, experiment.fit, experiment.figure
     found: list[tuple[str, str, Callable[[str], None]]] = []
     if table is not None:

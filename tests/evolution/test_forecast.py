@@ -1,4 +1,4 @@
-"""What is said of a run before it starts, against the operator that it gets."""
+"""Forecasts of runs, against the operators that the runs get."""
 
 import pytest
 from comparison import asymmetric_scene
@@ -84,7 +84,7 @@ experiments:
     write_plan(load_study(tmp_path / "tiny.yaml"), tmp_path / "plan.md", tmp_path / "plan.csv")
     text = (tmp_path / "plan.md").read_text()
     assert text.startswith("# Plan: tiny\n")
-    assert "| errors/M_cir~6/method~auto |" in text and "| **total** |" in text
+    assert "| errors/M_cir~6/method~auto |" in text and "| **total** " in text
     lines = (tmp_path / "plan.csv").read_text().splitlines()
     assert lines[0].startswith("run,method,N,R,nodes,transforms,evaluations,seconds,memory_mb")
     assert [line.split(",")[0] for line in lines[1:]] == [

@@ -12,7 +12,6 @@ import pytest
 import xarray as xr
 
 from granstudy import read_dataset
-from granstudy.study.schema.file import write_schema
 
 REPOSITORY = Path(__file__).parents[2]
 
@@ -150,6 +149,7 @@ def test_a_value_added_to_a_list_adds_runs_and_nothing_else(project):
     [
         ("N: [8, 10]", "N: [8, -10]", "N=-10: must be an even integer"),
         ("N_rho: 8", "N_roh: 8", "did you mean 'N_rho'?"),
+        ("kind: convergence", "kind: convergense", "figure.kind: unknown kind 'convergense'"),
         ("name: bkw2d", "name: bkw2", "did you mean 'bkw2d'?"),
         ("e: [0.5]", "e: [1.5]", "restitution=1.5: must lie between 0 and 1"),
     ],
@@ -188,12 +188,6 @@ def test_a_killed_study_continues_where_it_stopped(project):
     snakemake(project, "--rerun-incomplete")
     assert before.items() <= written(project).items()
     assert read_dataset(first)["status"] == 0
-
-
-def test_the_schema_that_editors_use_is_in_step(tmp_path):
-    write_schema(tmp_path / "study.schema.json")
-    committed = REPOSITORY / "workflow" / "config" / "study.schema.json"
-    assert (tmp_path / "study.schema.json").read_text() == committed.read_text()
 
 
 def test_the_plan_of_a_study_is_written_and_computes_no_run(project):

@@ -104,16 +104,16 @@ class StateTableModel(TableModel):
 
 
 class FitModel(Section):
-    """What is fitted to the runs."""
+    """What is fitted to the runs; the laws are those of `granstudy.analysis.tables.fits.FITS`."""
 
-    law: Literal["order", "haff", "growth", "slope"]
+    law: str
     x: Annotated[str | None, Field(description="for an order: the refined parameter")] = None
 
 
 class FigureModel(Section):
-    """What is drawn: a quantity against a swept parameter or time, a front, or runs beside the truth."""
+    """What is drawn; the kinds are those of `granstudy.analysis.figures.figure.FIGURES`."""
 
-    kind: Literal["convergence", "cooling", "speed", "front", "slope", "states", "gallery"]
+    kind: str
     x: Annotated[str | None, Field(description="the parameter on the abscissa")] = None
     title: Annotated[str | None, Field(description="default: the experiment's")] = None
     beside: list[str] = Field(

@@ -1,6 +1,5 @@
-"""Study files: the typed model of their YAML, how one is read, and its JSON schema."""
+"""Study files: the typed model of their YAML, and how one is read."""
 
-import json
 from pathlib import Path
 from typing import Annotated
 
@@ -63,13 +62,3 @@ def read_study_file(path: str | Path) -> StudyFile:
     except ValidationError as error:
         lines = [f"{path}: {line}" for line in explain(error, StudyFile)]
         raise ValueError("\n".join(lines)) from None
-
-
-def write_schema(path: str | Path) -> None:
-    """Write the JSON schema of study files, for editors that complete and check YAML."""
-    schema = json.dumps(StudyFile.model_json_schema(), indent=1, ensure_ascii=False)
-    Path(path).write_text(schema + "\n")
-
-
-if __name__ == "__main__":
-    write_schema("workflow/config/study.schema.json")

@@ -6,8 +6,8 @@ from collections import defaultdict
 from collections.abc import Callable
 from functools import reduce
 from operator import or_
-from types import UnionType
-from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
+from types import GenericAlias, UnionType
+from typing import Annotated, Any, TypeVar, Union, cast, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
@@ -32,16 +32,17 @@ Fields = dict[str, tuple[Any, Any]]
 
 def with_fields(fields: Fields) -> Callable[[AnySection], AnySection]:
     """Class decorator: the section with these fields after its own."""
+    definitions: Any = fields  # whose names are known at run time only
 
     def add(section: AnySection) -> AnySection:
-        made: AnySection = create_model(
+        made = create_model(
             section.__name__,
             __base__=section,
             __module__=section.__module__,
             __doc__=section.__doc__,
-            **fields,  # type: ignore[call-overload]  # names that are known at run time only
+            **definitions,
         )
-        return made
+        return cast(AnySection, made)
 
     return add
 
@@ -86,7 +87,7 @@ def _may_be_left_out(types: list[Any], text: str) -> tuple[Any, Any]:
 def in_yaml(kind: Any) -> Any:
     """A type as YAML writes its values: lists in place of tuples."""
     if get_origin(kind) is tuple:
-        return list[get_args(kind)[0]]  # type: ignore[misc]  # known at run time only
+        return GenericAlias(list, get_args(kind)[:1])
     if get_origin(kind) in (Union, UnionType):
         return reduce(or_, map(in_yaml, get_args(kind)))
     return kind

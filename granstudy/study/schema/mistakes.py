@@ -1,7 +1,7 @@
 """One line for each thing wrong in a study file: what pydantic found, and what the sections take."""
 
 from collections.abc import Iterable, Sequence
-from typing import Any, Literal, get_args, get_origin
+from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
@@ -9,9 +9,6 @@ from pydantic.fields import FieldInfo
 from granstudy.study.schema.experiment import Experiment
 from granstudy.study.schema.generated import Section
 from granstudy.support.errors import nearest, unknown_name
-
-Path = Sequence[int | str]
-"""Field names, keys and indices, and the names of sections that a field has the choice of."""
 
 
 def sections_in(kind: Any) -> list[type[Section]]:
@@ -28,51 +25,81 @@ EXPERIMENTS = {
 """The classes of experiments by the kind of their runs."""
 
 
+class Place(NamedTuple):
+    """What lies at a path of a section.
+
+    Attributes
+    ----------
+    names : list of str
+        Fields, keys and indices on the way, without the names of sections that a field has the choice of.
+    around : list of sections
+        Those that the last field stands in; none where a field on the way is unknown.
+    field : FieldInfo or None
+        The last field, None where it is unknown.
+    """
+
+    names: list[str]
+    around: list[type[Section]]
+    field: FieldInfo | None
+
+
+def place(section: type[Section], path: Sequence[int | str]) -> Place:
+    """Follow a path of fields, keys and indices into a section."""
+    found = Place([], [], None)
+    inside = [section]
+    for part in path:
+        chosen = [each for each in inside if each.__name__ == part]
+        if chosen:
+            inside = chosen
+        elif isinstance(part, int):
+            found = found._replace(names=[*found.names, str(part)])
+        else:
+            fields = [each.model_fields[part] for each in inside if part in each.model_fields]
+            field = fields[0] if fields else None
+            found = Place([*found.names, part], inside, field)
+            inside = sections_in(field.annotation) if field is not None else []
+    return found
+
+
 def explain(error: ValidationError, file: type[Section]) -> list[str]:
     """The lines for all that is wrong; each names the field, its value and what is allowed."""
     return [line for problem in error.errors() for line in _lines(problem, file)]
 
 
 def _lines(problem: Any, file: type[Section]) -> list[str]:
+    kind, value = problem["type"], problem["input"]
     match problem["loc"]:
-        case ("experiments", name) if problem["type"].startswith("union_tag"):
-            return _without_kind(f"experiments.{name}", problem["input"])
+        case ("experiments", name) if kind.startswith("union_tag"):
+            return _without_kind(f"experiments.{name}", value)
         case ("experiments", name, run, *path) if run in EXPERIMENTS:
-            before, section = ["experiments", name], EXPERIMENTS[run]
+            found = place(EXPERIMENTS[run], path)
+            names, takers = ["experiments", name, *found.names], taken_by(found.names)
         case path:
-            before, section = [], file
-    where = ".".join(str(part) for part in (*before, *path) if not _is_section(part))
-    return [": ".join(filter(None, (where, _what(problem, section, path))))]
-
-
-def _is_section(part: int | str) -> bool:
-    """Whether a part of a location names a section out of several, and no field."""
-    return any(part == section.__name__ for section in _below(Section))
-
-
-def _what(problem: Any, section: type[Section], path: Path) -> str:
-    """What is wrong at a path of a section."""
-    value, kind = problem["input"], problem["type"]
+            found = place(file, path)
+            names, takers = found.names, ""
+    is_missing = value is None and found.field is not None and found.field.is_required()
     if kind == "extra_forbidden":
-        inside = _walk(section, path[:-1])[1]
-        known = [name for each in inside for name in each.model_fields]
-        return taken_by(path) or _unknown(path[-1], known)
-    field = _walk(section, path)[0]
-    if kind == "missing" or (value is None and field is not None and field.is_required()):
-        return taken_by(path) or "must be given"
+        known = [name for section in found.around for name in section.model_fields]
+        what = takers or _unknown(found.names[-1], known)
+    elif kind == "missing" or is_missing:
+        what = takers or "must be given"
+    else:
+        what = _refused(problem)
+    return [": ".join(filter(None, (".".join(names), what)))]
+
+
+def _refused(problem: Any) -> str:
+    """Why a value is refused, and what to write in place of a number that YAML reads as text."""
+    value, message = problem["input"], problem["msg"].removeprefix("Value error, ")
     shown = "" if isinstance(value, dict) else f"value {value!r}: "
-    return shown + problem["msg"].removeprefix("Value error, ") + _hint(value, kind)
-
-
-def _hint(value: object, kind: str) -> str:
-    """What to write in place of a number that YAML reads as text."""
-    if isinstance(value, str) and kind.startswith(("float", "int")):
+    hint = ""
+    if isinstance(value, str) and problem["type"].startswith(("float", "int")):
         try:
             float(value)
+            hint = " (YAML reads 1e-3 as text: write 1.0e-3)"
         except ValueError:
-            return ""
-        return " (YAML reads 1e-3 as text: write 1.0e-3)"
-    return ""
+            pass
+    return f"{shown}{message}{hint}"
 
 
 def _without_kind(where: str, experiment: dict[str, Any]) -> list[str]:
@@ -88,24 +115,21 @@ def _unknown(name: object, known: list[str]) -> str:
     return f"unknown field{nearest(str(name), known)}; allowed are {', '.join(known)}"
 
 
-def taken_by(path: Path) -> str:
+def taken_by(path: Sequence[str]) -> str:
     """Which experiments take the field at a path, and which need it; "" where all or none do.
 
     Experiments that do not have the section around the field do not count.
     """
-    fields = {
-        run: _walk(section, path)[0]
-        for run, section in EXPERIMENTS.items()
-        if _walk(section, path[:-1])[1]
-    }
+    found = {run: place(section, path) for run, section in EXPERIMENTS.items()}
+    fields = {run: there.field for run, there in found.items() if there.around}
     needed = [run for run, field in fields.items() if field is not None and field.is_required()]
     taken = [run for run, field in fields.items() if field is not None and run not in needed]
     if len(needed) + len(taken) in (0, len(fields)):
         return ""
     if not needed:
         return f"only {_listed(taken)} runs take it"
-    annotation = getattr(fields[needed[0]], "annotation", None)
-    values = get_args(annotation) if get_origin(annotation) is Literal else ()
+    field = fields[needed[0]]
+    values = get_args(field.annotation) if field and get_origin(field.annotation) is Literal else ()
     parts = [", ".join(filter(None, (f"{_listed(needed)} runs need it", " or ".join(values))))]
     parts += [f"{_listed(taken)} runs may have it"] if taken else []
     return "; ".join([*parts, "others do not take it"])
@@ -113,25 +137,3 @@ def taken_by(path: Path) -> str:
 
 def _listed(names: Iterable[str]) -> str:
     return " and ".join(names)
-
-
-def _walk(section: type[Section], path: Path) -> tuple[FieldInfo | None, list[type[Section]]]:
-    """The field at a path of a section, None where there is none, and the sections that it can hold."""
-    field, sections = None, [section]
-    for part in path:
-        chosen = [each for each in sections if each.__name__ == part]
-        if chosen or isinstance(part, int):
-            sections = chosen or sections
-            continue
-        field = next(
-            (each.model_fields[part] for each in sections if part in each.model_fields), None
-        )
-        sections = [] if field is None else sections_in(field.annotation)
-    return field, sections
-
-
-def _below(section: type[Section]) -> Iterable[type[Section]]:
-    """All classes of sections."""
-    for each in section.__subclasses__():
-        yield each
-        yield from _below(each)

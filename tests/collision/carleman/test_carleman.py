@@ -10,7 +10,8 @@ from granstudy import theory
 from granstudy.collision.carleman import operator as carleman
 from granstudy.collision.carleman import scenes as carleman_scenes
 from granstudy.collision.carleman import weights as carleman_weights
-from granstudy.collision.choice.cost import CARLEMAN, estimate
+from granstudy.collision.choice.cost import estimate
+from granstudy.collision.choice.method_costs import CARLEMAN
 from granstudy.collision.rules import directions
 from granstudy.model.densities import Bkw2D
 from granstudy.quadrature import half

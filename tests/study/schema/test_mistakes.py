@@ -84,6 +84,11 @@ def test_which_kinds_take_a_field_follows_from_their_classes(path, text):
             "experiments.single.timing: only benchmark runs take it",
         ),
         (
+            "title: test",
+            "title: test\nsweep: []",
+            "yaml: sweep: unknown field; allowed are title, ",
+        ),
+        (
             "M_cir: [4, 8]",
             "dt: [0.1]",
             "single: sweep: 'dt' is of times, which only evolution runs",
