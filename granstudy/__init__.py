@@ -1,4 +1,4 @@
-"""granstudy: parameter studies of granular gases with the fast Fourier spectral method."""
+"""granstudy: parameter studies of granular gases by the fast Fourier spectral method."""
 
 from granstudy.collision.choice.grid import fit_solver
 from granstudy.collision.fast.adaptive.plan import QuadraturePlan

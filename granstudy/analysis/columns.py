@@ -1,7 +1,7 @@
 """Every column of a table, once: heading, symbol, digits, tolerance, long name.
 
-Tables, figures and comparisons read all of them here. Parameters, which say what run a row is, have their
-headings and symbols in `granstudy.datasets.parameters`.
+Tables, figures and comparisons read them here. Parameters, which say which run a row is, have their headings
+and symbols in `granstudy.datasets.parameters`.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -12,7 +12,7 @@ from granstudy.datasets.parameters import PARAMETERS
 
 @dataclass(frozen=True)
 class Tolerance:
-    """Largest difference |a−b| ≤ relative·|b| + absolute that is ok, and why; None: not compared."""
+    """Largest difference |a − b| ≤ relative·|b| + absolute that is ok, and why; None: not compared."""
 
     relative: float | None
     absolute: float
@@ -23,30 +23,30 @@ CONSTANT = Tolerance(1e-9, 0.0, "a constant of the study")
 """Tolerance of a column that states none."""
 
 Digits = str | Callable[[float], str]
-"""A format of Python's, or what gives one for a number."""
+"""A format of Python's, or a function that gives one for a number."""
 
 
 @dataclass(frozen=True)
 class Column:
-    """What readers of a table and of a figure need to know of a column.
+    """One column: how it is headed, written, compared, described and drawn.
 
     Attributes
     ----------
     heading : str
         In Markdown; "" stands for the name with spaces for underscores.
     digits : str or callable
-        Format of a number in Markdown. A variable's own attribute `format` goes before it.
+        Format of a number in Markdown; a variable's own attribute `format` goes before it.
     tolerance : Tolerance
         How far a regenerated number may lie from the committed one.
     long_name : str
-        NetCDF's, for columns that tables compute; words in braces are filled in by the table. "": the
-        variable comes from the runs, with a long name of its own.
+        Long name in NetCDF, where a table computes the column; the table fills in words in braces. "" where
+        the variable comes from the runs, which have its long name.
     units : str
-        NetCDF's, for the same columns; "" for what is no number.
+        Units in NetCDF of the same columns; "" where the column holds no numbers.
     symbol : str
         On an axis, as Matplotlib's mathematics; "" stands for the name.
     legend : str
-        What a Markdown table says of its quantity; "" stands for the long name.
+        Text below a Markdown table whose quantity it is; "" stands for the long name.
     solved : str
         Format in tables of states, whose numbers are known to more digits; "" stands for `digits`.
     """
@@ -61,7 +61,7 @@ class Column:
     solved: str = ""
 
     def text(self, value: float) -> str:
-        """The number to the digits that are worth reading."""
+        """Write a number to the digits that are worth reading."""
         return format(value, self.digits(value) if callable(self.digits) else self.digits)
 
 
@@ -72,7 +72,7 @@ def _ratio_digits(ratio: float) -> str:
 ERROR, ROUGH, SIX = ".3e", ".1e", ".6f"
 """Formats of errors, of errors of which the size alone matters, and of a state's numbers."""
 
-# Tolerances, named after their columns.
+# Tolerances, named after the columns that have them.
 RECIPE = Tolerance(
     1e-6, 1e-12, "the recipe is deterministic; FFT and BLAS round-off differ by machine"
 )
@@ -124,7 +124,7 @@ OF_QUANTITY: dict[str, Column] = {
 """Columns that stand directly after the table's quantity: fits, and numbers printed in the paper."""
 
 COLUMNS: dict[str, Column] = OF_QUANTITY | {
-    # Beside a truth.
+    # Errors of runs beside a truth, and the runs' own estimates.
     "largest_temperature_error": Column(
         "error of T", ERROR, T_ERROR, "largest |T/T_truth − 1| over the output times reached",
         symbol=r"largest $|T/T_\mathrm{true} - 1|$"),
@@ -137,14 +137,14 @@ COLUMNS: dict[str, Column] = OF_QUANTITY | {
     "a2_error_estimate": Column(
         "its estimate", ERROR, A2_ERROR, "largest error of a2 that the run itself estimated"),
     "trust": Column(),
-    # Of collisions.
+    # Errors of Q.
     "collision_error": Column(
         "", ERROR, Q_ERROR, "max|Q − Q_reference| on the grid",
         symbol=r"$\|Q - Q_\mathrm{direct}\|_\infty$"),
     "relative_error": Column(
         "", ERROR, Q_RELATIVE, "max|Q − Q_reference| / max|Q_reference|",
         symbol=r"$\|Q - Q_\mathrm{direct}\|_\infty / \|Q_\mathrm{direct}\|_\infty$"),
-    # Of evolutions, at the last time; the runs have the long names.
+    # Evolutions at their last time; the runs have the long names.
     "paper_temperature_error": Column(
         "", ERROR, RECIPE, symbol=r"$|T - T_\mathrm{ref}|$",
         legend="|T − T_ref| at the final time, measured as the paper does: "
@@ -154,7 +154,7 @@ COLUMNS: dict[str, Column] = OF_QUANTITY | {
         legend="|T − T_exact| at the final time, T divided by density"),
     "temperature": Column("", ".5g", T, symbol="$T$", solved=".7f"),
     "a2": Column("", ".3g", A2, symbol="$a_2$", solved=SIX),
-    # Of states, beside theories of them.
+    # States, beside theories of them.
     "a2_linear": Column("a2 (linear theory)", SIX, CONSTANT, "a2 by the theory linear in it"),
     "a2_divided": Column(
         "a2 (linear, divided by 1 + a2)", SIX, CONSTANT,
@@ -171,7 +171,7 @@ COLUMNS: dict[str, Column] = OF_QUANTITY | {
     "cooling_coefficient": Column("K", ".7g"),
     "mass_loss": Column(),
     "estimated_a2_error": Column("", ROUGH),
-    # Of benchmarks, whose dataset has the long names; seconds of whole runs, too.
+    # Benchmarks, whose dataset has the long names; `seconds` of whole runs, too.
     "error": Column(
         "", ERROR, Q_PLANNED, symbol=r"$\|Q - Q_\mathrm{ref}\|_\infty / \|Q_\mathrm{ref}\|_\infty$"),
     "seconds": Column(
@@ -193,7 +193,7 @@ COLUMNS: dict[str, Column] = OF_QUANTITY | {
     "law_exponent": Column(
         "N^(d+1) log N: exponent", ".3g", CONSTANT,
         "p of N^{{d+1}} log N ~ N^p, fitted to the same N"),
-    # What else an evolution or a state can be asked for.
+    # Further quantities of evolutions.
     "density_drift": Column("", ERROR, DRIFT),
     "density": Column(),
     "energy": Column(),
@@ -209,7 +209,7 @@ COLUMNS: dict[str, Column] = OF_QUANTITY | {
     "velocity_scale": Column(),
     "collision_time": Column(),
     "collisions": Column(),
-    # Of the map, and of every table.
+    # The map's verdict, and how a run ended.
     "wrong": Column(long_name="whether the label breaks the rule", units=""),
     "status": Column(),
 }
@@ -222,13 +222,13 @@ DERIVED: dict[str, Column] = {
 }
 """Columns whose names are made at run time, by the ending of their name.
 
-``<column>_<experiment>`` holds what another experiment says of a column; it has that column's digits.
-``<column>[_<experiment>]_standard_error`` and ``<column>_<experiment>_difference`` stand beside.
+``<column>_<experiment>`` holds another experiment's number, with the column's own digits.
+``<column>[_<experiment>]_standard_error`` and ``<column>_<experiment>_difference`` stand beside it.
 """
 
 
 def listed(name: str, beside: Sequence[str] = ()) -> str:
-    """The column of `COLUMNS` that a column is, or that its name is made from.
+    """Row of `COLUMNS` that a column is, or that its name is made from.
 
     Parameters
     ----------
@@ -238,7 +238,7 @@ def listed(name: str, beside: Sequence[str] = ()) -> str:
     Raises
     ------
     ValueError
-        If there is none.
+        If no row fits.
     """
     endings = (*DERIVED, *(f"_{other}" for other in beside))
     base = name
@@ -254,7 +254,7 @@ def listed(name: str, beside: Sequence[str] = ()) -> str:
 
 
 def column(name: str, beside: Sequence[str] = ()) -> Column:
-    """The facts of a column, by the rule of `DERIVED` where its name is made at run time.
+    """Facts of a column, by the rule of `DERIVED` where its name is made at run time.
 
     Raises
     ------
@@ -278,7 +278,7 @@ def attributes(name: str, beside: Sequence[str] = (), **words: object) -> dict[s
 def reading_order(
     names: Iterable[str], quantity: str, beside: Sequence[str] = (), as_built: bool = False
 ) -> list[str]:
-    """Columns as a reader meets them: the quantity, its standard error, `OF_QUANTITY`, the rest, `status`.
+    """Sort columns as a reader meets them: quantity, its standard error, `OF_QUANTITY`, the rest, `status`.
 
     Parameters
     ----------
@@ -288,7 +288,7 @@ def reading_order(
     beside : sequence of str
         Other experiments, whose names may stand in a column's.
     as_built : bool
-        Whether the rest keeps the order that it comes in; by default it gets the order of `COLUMNS`.
+        Whether the rest keeps its order; by default it gets the order of `COLUMNS`.
 
     Raises
     ------
@@ -311,7 +311,7 @@ def reading_order(
 
 
 def heading(name: str) -> str:
-    """What heads a parameter or a column in Markdown."""
+    """Heading of a parameter or a column in Markdown."""
     if name in PARAMETERS:
         return PARAMETERS[name].heading or name
     own = COLUMNS[name].heading if name in COLUMNS else ""
@@ -319,11 +319,11 @@ def heading(name: str) -> str:
 
 
 def symbol(name: str) -> str:
-    """What a parameter or a column is called on an axis."""
+    """Symbol of a parameter or a column on an axis; the name itself where it has none."""
     found = PARAMETERS.get(name) or COLUMNS.get(name)
     return found.symbol or name if found else name
 
 
 def tolerance(name: str) -> Tolerance:
-    """What a column is compared with; `CONSTANT` where its name is made at run time."""
+    """Tolerance of a column; `CONSTANT` where its name is made at run time."""
     return COLUMNS[name].tolerance if name in COLUMNS else CONSTANT

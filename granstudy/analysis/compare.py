@@ -16,7 +16,7 @@ from granstudy.analysis.columns import Tolerance, tolerance
 from granstudy.datasets.parameters import PARAMETERS
 
 KEYS = (*PARAMETERS, "threads", "case", "configuration", "variation")
-"""Columns that tell which row it is."""
+"""Columns that say which run a row is."""
 
 
 class Grade(IntEnum):
@@ -29,7 +29,7 @@ class Grade(IntEnum):
 
 
 MAJOR_FACTOR = 100.0
-"""A difference beyond so many tolerances is major."""
+"""A difference of more than so many tolerances is major."""
 
 
 def grade(new: float, committed: float, allowed: Tolerance) -> Grade:
@@ -46,7 +46,7 @@ def grade(new: float, committed: float, allowed: Tolerance) -> Grade:
 
 
 def compare_tables(new: pd.DataFrame, committed: pd.DataFrame) -> dict[str, tuple[Grade, str]]:
-    """Worst grade of every column, with what was found."""
+    """Worst grade of every column, and the finding in words."""
     keys = [key for key in KEYS if key in committed.columns]
     absent = [column for column in committed.columns if column not in new.columns]
     if absent:

@@ -1,4 +1,4 @@
-"""Which runs of a table belong together: those with equal values of some parameters."""
+"""Groups of a table's runs: runs with equal values of some parameters."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 Key = tuple[Any, ...]
-"""Values of some parameters."""
+"""Values of some parameters, in their order."""
 
 
 def values_of(table: xr.Dataset, name: str, absent: object = "") -> np.ndarray:
@@ -17,13 +17,13 @@ def values_of(table: xr.Dataset, name: str, absent: object = "") -> np.ndarray:
 
 
 def keys(table: xr.Dataset, names: Sequence[str]) -> list[Key]:
-    """The values of some parameters, run for run."""
+    """Values of some parameters for every run."""
     columns = [values_of(table, name).tolist() for name in names]
     return list(zip(*columns, strict=True)) if columns else [()] * table.sizes["run"]
 
 
 def groups(keys: Sequence[Key]) -> dict[Key, list[int]]:
-    """The runs of each key, in the order in which keys first occur."""
+    """Runs by their key, in the order in which keys first occur."""
     found: dict[Key, list[int]] = {}
     for i, key in enumerate(keys):
         found.setdefault(key, []).append(i)

@@ -1,4 +1,4 @@
-"""How runs are called: in legends, in cells, in rows."""
+"""Names of runs in legends, cells and rows."""
 
 from collections.abc import Callable, Mapping
 
@@ -10,14 +10,14 @@ from granstudy.analysis.groups import groups, keys, values_of
 TOLERANCE = ", rtol"
 SINGLE = ", single"
 ON_GPU = ", gpu"
-"""What is added to the method of a run with a tolerance, in single precision, or on a GPU."""
+"""Endings of a method's name for runs with a tolerance, in single precision, on a GPU."""
 
 PAPERS_OWN = ("literal", "full")
-"""The method and the variant that reproduce the paper: before all others in tables, under them in figures."""
+"""Method and variant that reproduce the paper: before all others in tables, under them in figures."""
 
 
 def families(table: xr.Dataset) -> list[str]:
-    """What each run of a table counts as on the front: its method, with `TOLERANCE`, `SINGLE`, `ON_GPU`."""
+    """Family of each run, a line of a front: the method, with `TOLERANCE`, `SINGLE`, `ON_GPU`."""
     return [
         str(method)
         + TOLERANCE * bool(rtol > 0)
@@ -34,7 +34,7 @@ def families(table: xr.Dataset) -> list[str]:
 
 
 SAYS_LEAST = ("time_rtol", "sphere_rule")
-"""Parameters that a label leaves out where runs can be told apart without."""
+"""Parameters that a label leaves out where the others tell runs apart."""
 
 
 def telling_apart(table: xr.Dataset) -> list[str]:
@@ -49,16 +49,16 @@ def telling_apart(table: xr.Dataset) -> list[str]:
 
 
 def parameter_text(name: str, value: object, called: str) -> str:
-    """A parameter as a label says it: ``N = 32``, ``rescaled``, ``conserve mass``."""
+    """Write a parameter as a label does: ``N = 32``, ``rescaled``, ``conserve mass``."""
     if isinstance(value, str):
         return f"{name} {value}" if name == "conserve" else value
     return f"{called} = {value:g}"
 
 
 def run_text(parameters: Mapping[str, object], called: Callable[[str], str] = str) -> str:
-    """Parameters of a run as a label says them, without those that are "": the run lacks them.
+    """Write a run's parameters as a label does, without those that the run lacks, which are "".
 
-    ``called`` gives the name that the label has for a parameter.
+    ``called`` gives a parameter's name in the label.
     """
     return ", ".join(
         parameter_text(name, value, called(name))

@@ -16,7 +16,7 @@ def execute_notebook(source: str | Path, target: str | Path, results: str) -> No
     Parameters
     ----------
     results : str
-        Folder of the study's results: what the cell tagged ``parameters`` sets.
+        Folder of the study's results, which the cell tagged ``parameters`` sets.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What tables and figures are made from: an experiment, its runs, their files, tables of others."""
+"""Sources of tables and figures: an experiment, its runs, their files, tables of other experiments."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from granstudy.study.schema.experiment import Experiment, FigureModel
 
 
 class Row(NamedTuple):
-    """A run that a table has a row for, and its file."""
+    """A run that is a row of a table, and its file."""
 
     run: Run
     file: str
@@ -19,7 +19,7 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Source:
-    """An experiment and what was computed for it.
+    """An experiment and the results that it has so far.
 
     Attributes
     ----------
@@ -44,19 +44,19 @@ class Source:
 
     @property
     def rows(self) -> list[Row]:
-        """The runs that are rows of the table: all but references and truths."""
+        """The runs that are rows of the table: references and truths are not."""
         pairs = zip(self.runs.values(), self.files, strict=True)
         return [Row(run, file) for run, file in pairs if not run.is_reference]
 
 
 @dataclass(frozen=True, kw_only=True)
 class TableSource(Source):
-    """What a table is made from.
+    """Source of a table.
 
     Attributes
     ----------
     quantity : str
-        The column that the study file asks for, or the default of the kind of run.
+        Column that the study file asks for, or the default of the kind of run.
     """
 
     quantity: str
@@ -64,7 +64,7 @@ class TableSource(Source):
 
 @dataclass(frozen=True, kw_only=True)
 class FigureSource(Source):
-    """What a figure is drawn from.
+    """Source of a figure.
 
     Attributes
     ----------
@@ -76,12 +76,12 @@ class FigureSource(Source):
 
     @property
     def asked(self) -> FigureModel:
-        """What the study file says of the figure.
+        """The study file's request.
 
         Raises
         ------
         ValueError
-            If it asks for none.
+            If the study file asks for no figure.
         """
         if self.experiment.figure is None:
             raise ValueError(f"{self.experiment.title}: asks for no figure")

@@ -18,7 +18,7 @@ from granstudy.study.schema.file import StudyFile
 from granstudy.support.errors import unknown_name
 
 WORDS = {("FigureModel", "kind"): list(FIGURES), ("FitModel", "law"): list(FITS)}
-"""What a field of a section may say, by section and field."""
+"""Known words by section and field."""
 
 SCHEMA = Path("workflow/config/study.schema.json")
 """Where the JSON schema of study files lies in a checkout."""
@@ -50,7 +50,7 @@ def check_words(study: StudyFile, path: str | Path = "") -> None:
 
 
 def _words(experiment: Experiment) -> list[tuple[str, str, Callable[[str], None]]]:
-    """The words of an experiment: field, word, and what checks it."""
+    """Words of an experiment: field, word, and the function that checks it."""
     table, fit, figure = experiment.table, experiment.fit, experiment.figure
     found: list[tuple[str, str, Callable[[str], None]]] = []
     if table is not None:

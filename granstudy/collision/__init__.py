@@ -1,4 +1,4 @@
-"""Collision operators Q(f,f) behind one protocol."""
+"""Collision operators Q(f,f) behind one protocol, a folder or file for each method."""
 
 from granstudy.collision.operator import collision_operator, concrete
 from granstudy.collision.protocol import CollisionOperator

@@ -1,6 +1,6 @@
-"""The collision operator of a scene: its method chosen where that is open, and made.
+"""The collision operator of a scene: method and grid are chosen where they are open, and it is made.
 
-The module is a fork: it only chooses, so that no run's key depends on it (`granstudy.support.fingerprint`).
+The module is a fork: it only chooses, and no run's key depends on it (`granstudy.support.fingerprint`).
 """
 
 from dataclasses import replace
@@ -15,13 +15,24 @@ from granstudy.model.scene import Scene
 from granstudy.model.solver import Choice, Solver
 
 FORK = "no run follows or hashes this module (granstudy.support.fingerprint)"
+"""Mark of a fork."""
 
 
 def choose(scene: Scene, solver: Solver) -> Choice:
     """Choose what a solver leaves open: N and R for its tolerance, then the method.
 
-    A solver that leaves nothing open is returned as it is. The choice depends on neither the machine nor
-    the threads.
+    The choice is the same on every machine, with any number of threads.
+
+    Parameters
+    ----------
+    scene : Scene
+    solver : Solver
+        A solver with ``rtol`` and no N and R, or of method `auto`, or both. Any other is its own choice.
+
+    Returns
+    -------
+    Choice
+        The solver that was chosen, and why.
 
     Raises
     ------
@@ -41,30 +52,34 @@ def choose(scene: Scene, solver: Solver) -> Choice:
 
 
 def concrete(scene: Scene, solver: Solver) -> Choice:
-    """`choose`, on a machine that is to compute: a GPU that is asked for must be there.
+    """Choose what a solver leaves open (`choose`), on the machine that will compute.
 
     Raises
     ------
     ValueError
-        As `choose`; and if the solver asks for a GPU and there is none, or none that can model the scene.
+        If the solver asks for a GPU and there is none, or the GPU cannot model the scene; and as `choose`.
     """
-    if solver.device == "gpu":  # here, before any work
+    if solver.device == "gpu":
         check_gpu(scene)
     return choose(scene, solver)
 
 
 def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:
-    """Plan the collision operator of a scene as the solver's method does it.
+    """The collision operator of a scene, by the solver's method.
 
-    What the solver leaves open, as ``method="auto"`` does, is first chosen (`granstudy.choose`); the kind of
-    grid is part of that choice.
+    Method and grid are chosen first where the solver leaves them open (`granstudy.choose`).
+
+    Returns
+    -------
+    CollisionOperator
+        f ↦ Q(f,f), for densities on the operator's ``grid``.
 
     Raises
     ------
     ValueError
-        If the scene's restitution leaves [0, 1] at impact speeds up to R, or the quadrature has no
-        rule of the size asked for, or its tolerance cannot be reached on the grid, or there is no GPU
-        where one is asked for, or the method is ``dsmc``, which has no operator.
+        If the restitution leaves [0, 1] at impact speeds up to R; if there is no quadrature rule of the size
+        asked for; if the tolerance cannot be reached on the grid; if the GPU asked for is missing; or for the
+        method `dsmc`, which has no operator.
     """
     if solver.traits.by_particles:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""What every collision operator is: Q(f,f) for one scene and one solver, planned once, called often."""
+"""The protocol of collision operators, and the check of densities that they are given."""
 
 from typing import Protocol, runtime_checkable
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from granstudy.support.errors import NotFiniteError
 from granstudy.velocity.cartesian import VelocityGrid
-from granstudy.velocity.space import VelocitySpace
+from granstudy.velocity.space import VelocitySpace, check_shape
 
 
 class CollisionOperator(Protocol):
@@ -14,9 +14,10 @@ class CollisionOperator(Protocol):
 
     Attributes
     ----------
-    grid : VelocityGrid, or RadialGrid of the method `radial`
+    grid : VelocitySpace
+        Grid of f: a `RadialGrid` for the method `radial`, else a `VelocityGrid`.
     transforms : int
-        Fourier transforms on the grid that one call makes.
+        Fourier transforms on the grid in one call.
     """
 
     @property
@@ -25,26 +26,25 @@ class CollisionOperator(Protocol):
     def transforms(self) -> int: ...  # noqa: D102
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
-        """Q(f,f), of the shape and type of ``f``: real for real densities."""
+        """Q(f,f), with the shape and type of ``f``: real for real densities."""
 
     def transform(self) -> None:
-        """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
+        """Make the transforms of one call, on the same threads, and nothing else: for benchmarks."""
 
 
 @runtime_checkable
 class SpectrumOperator(CollisionOperator, Protocol):
-    """An operator of which a run advances f̂, complex and never projected on real f (`literal`)."""
+    """An operator of runs that advance f̂: complex, never projected on real f, as `literal` has it."""
 
     @property
     def grid(self) -> VelocityGrid: ...  # noqa: D102
 
     def spectrum(self, f_hat: np.ndarray) -> np.ndarray:
-        """Q̂ from f̂ (docs/method.md §2, normalised by N^d), both in FFT order."""
+        """Q̂ from f̂, both in FFT order and normalised by N^d (docs/method.md §2)."""
 
 
 def check_state(f: np.ndarray, grid: VelocitySpace) -> None:
     """Raise ValueError unless ``f`` can be a state on ``grid``: its shape, and finite values."""
-    if np.shape(f) != grid.shape:
-        raise ValueError(f"density has shape {np.shape(f)}: the grid's is {grid.shape}")
+    check_shape(f, grid)
     if not np.all(np.isfinite(f)):
         raise NotFiniteError("density holds values that are NaN or infinite: all must be finite")

@@ -81,7 +81,7 @@ def open_runs(where: Where, densities: bool = True) -> xr.Dataset:
 def final_values(where: Where) -> xr.Dataset:
     """Open moments and errors of many runs at the last time of each, as one dataset over ``run``.
 
-    The dataset is that of `open_runs` without densities, with two differences: `time` is a coordinate along
+    The dataset is as of `open_runs` without densities, with two differences: `time` is a coordinate along
     ``run``, and `density_drift` is the relative change of the density from first to last time.
     """
     return _open(where, _at_last_time)

@@ -1,1 +1,1 @@
-"""A density through time: frames, schemes and steps, conservation, and forecasts of runs."""
+"""A density through time: frames, schemes, steps, conservation, forecasts."""

@@ -35,8 +35,8 @@ def projection(
     conserve : sequence of str
         Names of invariants, in the order of `granstudy.velocity.space.INVARIANTS`. None: Q is left as it is.
     energy_rate : callable
-        f ↦ E' of the energy: the rate by all pairs of f (`granstudy.trust.pair_rates`), 0 at e = 1. Those of
-        mass and momentum are 0.
+        f ↦ E' of the energy: the rate by all pairs of f (`granstudy.trust.pair_rates`), 0 at e = 1. E' of
+        mass and of momentum is 0.
     """
     if not conserve:
         return lambda state, Q: Q

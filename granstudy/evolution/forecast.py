@@ -23,7 +23,7 @@ from granstudy.particles.restitution_table import alpha_table
 from granstudy.theory import haff_constant
 
 NOT_TIMED = "seconds are those of device 'cpu'"
-"""Remark on a run on a GPU: the constants of `granstudy.collision.choice.cost` were measured on a CPU."""
+"""Remark on a run on a GPU: all constants of costs were measured on a CPU."""
 
 STEPS_PER_COLLISION = 5.0
 """Steps of an adaptive run in a unit of collision time: 2 near e = 1, 10 where velocities shrink fast."""
@@ -56,7 +56,7 @@ class Forecast:
     transforms : int
         Fourier transforms in an evaluation.
     n : int
-        Points a dimension of most of those transforms.
+        Points a dimension of most transforms.
     threads : int
     seconds_per_evaluation : float
     evaluations : int

@@ -24,6 +24,10 @@ DOPRI_ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 52
 """Weights of the difference between the solutions of fifth and of fourth order, same source."""
 
 
+Rate = Callable[[np.ndarray], np.ndarray]
+"""y ↦ y'."""
+
+
 class Equation(Protocol):
     """y' = rate(y); κ(y) Δy is a part of the rate."""
 
@@ -76,23 +80,20 @@ class Scheme:
     exact_diffusion: bool
 
 
-def rk3_step(
-    rhs: Callable[[np.ndarray], np.ndarray], f: np.ndarray, dt: float, k1: np.ndarray
-) -> Step:
+def rk3_step(rate: Rate, y: np.ndarray, h: float, first: np.ndarray) -> Step:
     """One step of Kutta's third-order scheme (paper eq. 48); the lower scheme is the midpoint rule."""
-    k2 = rhs(f + dt / 2 * k1)
-    k3 = rhs(f - dt * k1 + 2 * dt * k2)
-    return Step(f + dt / 6 * (k1 + 4 * k2 + k3), dt / 6 * (k1 - 2 * k2 + k3), None)
+    k1 = first
+    k2 = rate(y + h / 2 * k1)
+    k3 = rate(y - h * k1 + 2 * h * k2)
+    return Step(y + h / 6 * (k1 + 4 * k2 + k3), h / 6 * (k1 - 2 * k2 + k3), None)
 
 
-def dopri54_step(
-    rhs: Callable[[np.ndarray], np.ndarray], y: np.ndarray, h: float, first: np.ndarray
-) -> Step:
+def dopri54_step(rate: Rate, y: np.ndarray, h: float, first: np.ndarray) -> Step:
     """One step of Dormand and Prince's pair of orders 5 and 4; its last rate begins the next step."""
     rates = [first]
     for weights in DOPRI_STAGES:
         new = y + h * sum(w * k for w, k in zip(weights, rates, strict=True) if w)
-        rates.append(rhs(new))
+        rates.append(rate(new))
     error = np.asarray(h * sum(w * k for w, k in zip(DOPRI_ERROR, rates, strict=True) if w))
     return Step(new, error, rates[-1])
 
@@ -142,24 +143,32 @@ def phi(k: int) -> Callable[[np.ndarray], np.ndarray]:
     return function
 
 
+def explicit(
+    step: Callable[[Rate, np.ndarray, float, np.ndarray], Step],
+    *,
+    evaluations: int,
+    error_order: int,
+    real_limit: float,
+    imaginary_limit: float,
+) -> Scheme:
+    """A scheme of rates alone, diffusion included; ``step`` is (rate, y, h, first) ↦ `Step`."""
+    return Scheme(
+        first=lambda equation, y: equation.rate(y),
+        step=lambda equation, y, h, first: step(equation.rate, y, h, first),
+        evaluations=evaluations,
+        error_order=error_order,
+        real_limit=real_limit,
+        imaginary_limit=imaginary_limit,
+        exact_diffusion=False,
+    )
+
+
 SCHEMES = {
-    "rk3": Scheme(
-        first=lambda equation, y: equation.rate(y),
-        step=lambda equation, y, h, first: rk3_step(equation.rate, y, h, first),
-        evaluations=3,
-        error_order=2,
-        real_limit=2.5127,
-        imaginary_limit=1.7320,
-        exact_diffusion=False,
+    "rk3": explicit(
+        rk3_step, evaluations=3, error_order=2, real_limit=2.5127, imaginary_limit=1.7320
     ),
-    "dopri54": Scheme(
-        first=lambda equation, y: equation.rate(y),
-        step=lambda equation, y, h, first: dopri54_step(equation.rate, y, h, first),
-        evaluations=7,
-        error_order=4,
-        real_limit=3.3065,
-        imaginary_limit=0.9971,
-        exact_diffusion=False,
+    "dopri54": explicit(
+        dopri54_step, evaluations=7, error_order=4, real_limit=3.3065, imaginary_limit=0.9971
     ),
     "exponential": Scheme(
         first=lambda equation, y: equation.rate(y, equation.diffusivity(y)),

@@ -46,8 +46,8 @@ def simulate(
         Size of every step; ``t_final`` must be a whole number of steps. Every step is an output.
     time_rtol : float, optional
         In place of ``dt``: tolerance of steps that adapt their size. The estimated error of a step is at most
-        ``time_rtol``, over the largest value of the density, over its fourth moment, and in a rescaled frame
-        over √T.
+        ``time_rtol``, relative to the largest value of the density, to its fourth moment, and in a rescaled
+        frame to √T.
     times : array_like, optional
         With ``time_rtol``: times of outputs, positive and increasing; 0 and ``t_final`` are outputs too.
         Default: 10 in a decade, from 0.01 on, or from ``t_final``/100 where this is earlier.
@@ -68,7 +68,8 @@ def simulate(
         possible (docs/method.md §9). Mass and momentum then stay constant; collisions take energy at the
         exact rate, summed over all pairs of the density. A radial grid has no momentum.
     save_every : int, optional
-        Keep the density at every so many outputs, and at the first and the last. Default: none is kept.
+        Keep the density at the first output, at every ``save_every``-th after it, and at the last. Default:
+        no density is kept.
     progress : bool, optional
         Show a progress bar. Default: where a person watches (a terminal).
 

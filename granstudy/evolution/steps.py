@@ -55,7 +55,7 @@ class Point(NamedTuple):
     time : float
     state : ndarray
     is_output : bool
-        Whether the time is that of an output.
+        Whether the state is an output.
     """
 
     step: int

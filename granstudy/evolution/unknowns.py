@@ -16,7 +16,7 @@ from granstudy.velocity.symmetry import Symmetry
 class Representation(Protocol):
     """A kind of state, with the linear operators of docs/method.md §1 and §5 on it.
 
-    The operators are those of `granstudy.velocity.space.VelocitySpace`.
+    `granstudy.velocity.space.VelocitySpace` has the same operators on densities at the nodes.
     """
 
     @property

@@ -1,4 +1,4 @@
-"""Initial densities by name; each is a function of the velocity components and knows its symmetry."""
+"""Initial densities by name: functions of the velocity components that know their symmetry and moments."""
 
 import dataclasses
 from collections.abc import Callable, Sequence
@@ -14,33 +14,35 @@ from granstudy.support.checks import check_positive
 from granstudy.support.errors import unknown_name
 from granstudy.velocity.symmetry import Symmetry, stabiliser
 
+THREE_GAUSSIANS = (
+    (0.5, (0.6, -0.3, 0.2), (0.9, 0.7, 0.6)),
+    (0.3, (-0.7, 0.5, -0.6), (0.6, 0.8, 1.0)),
+    (0.2, (-0.45, 0.0, 0.4), (0.7, 1.0, 0.65)),
+)
+"""Mass, centre and variances along the axes of each Gaussian of `ThreeGaussians3D`."""
+
 
 class InitialDensity(Protocol):
     """Anything that maps d broadcastable velocity components to density values.
 
-    It may declare its ``symmetry``, a `granstudy.Symmetry` or the name of one, and state its ``moments``, a
-    `StatedMoments`: runs are then also told what the grid does to them.
+    A density may declare its ``symmetry``, a `granstudy.Symmetry` or the name of one. A density may state its
+    ``moments``, a `StatedMoments`; the estimated errors of a run then include what the grid does to them.
     """
 
     def __call__(self, *v: np.ndarray) -> np.ndarray:
         """Density at the velocities ``v``."""
 
 
-def parameter(default: Any, text: str) -> Any:
-    """A field of a density that users set, with what a study file's schema says of it."""
-    return dataclasses.field(default=default, metadata={"help": text})
-
-
-def _squared(v: Sequence[np.ndarray], centre: Sequence[float]) -> np.ndarray:
-    """|v − centre|²."""
-    return np.asarray(sum((vi - ci) ** 2 for vi, ci in zip(v, centre, strict=True)))
-
-
 class NamedDensity(InitialDensity, Protocol):
-    """An initial density that `load_scene` knows by name; it has a velocity dimension of its own."""
+    """An initial density that has a name, and a velocity dimension of its own."""
 
     @property
     def dim(self) -> int: ...  # noqa: D102
+
+
+def parameter(default: Any, text: str) -> Any:
+    """A field of a density that users set, with its explanation in the schema of study files."""
+    return dataclasses.field(default=default, metadata={"help": text})
 
 
 @dataclass(frozen=True)
@@ -114,14 +116,6 @@ class DoubleWell3D:
         )
 
 
-THREE_GAUSSIANS = (
-    (0.5, (0.6, -0.3, 0.2), (0.9, 0.7, 0.6)),
-    (0.3, (-0.7, 0.5, -0.6), (0.6, 0.8, 1.0)),
-    (0.2, (-0.45, 0.0, 0.4), (0.7, 1.0, 0.65)),
-)
-"""Mass, centre and variances along the axes of each Gaussian of `ThreeGaussians3D`."""
-
-
 @dataclass(frozen=True)
 class ThreeGaussians3D:
     """A density without symmetry: three anisotropic Gaussians, ρ = 1, u = 0, T0 = 0.979."""
@@ -162,13 +156,13 @@ class Maxwellian:
 
     @property
     def symmetry(self) -> Symmetry:
-        """What leaves the bulk velocity as it is."""
+        """The signed permutations that leave the bulk velocity as it is."""
         assert self.velocity is not None
         return stabiliser(Symmetry.named(self.dim, "full"), self.velocity)
 
     @property
     def moments(self) -> StatedMoments:
-        """A Gaussian's."""
+        """Moments of a Gaussian."""
         assert self.velocity is not None
         return of_gaussians((1.0,), (self.velocity,), ((self.temperature,) * self.dim,))
 
@@ -183,7 +177,7 @@ class Maxwellian:
 class UniformBall:
     """A ball (a disk in 2D) of constant density, ρ = 1, u = 0, of the given ``temperature``.
 
-    Its radius a = √((d+2)T) makes ⟨v²⟩ = d/(d+2) a² right; ⟨v⁴⟩ = d/(d+4) a⁴.
+    The radius is a = √((d+2)T), by ⟨v²⟩ = d/(d+2) a²; ⟨v⁴⟩ = d/(d+4) a⁴.
     """
 
     dim: int
@@ -214,8 +208,8 @@ class UniformBall:
 class PowerLaw:
     """Isotropic density whose tail falls like |v|^{−s}, ρ = 1, u = 0, of the given ``temperature``.
 
-    With w² = (s − d − 2) T: ⟨v²⟩ = w² d/(s−d−2), ⟨v⁴⟩ = w⁴ d(d+2)/((s−d−2)(s−d−4)), which is finite for
-    a ``tail`` s > d + 4 only.
+    With w² = (s − d − 2) T: ⟨v²⟩ = w² d/(s−d−2), ⟨v⁴⟩ = w⁴ d(d+2)/((s−d−2)(s−d−4)). The ``tail`` s must be
+    above d + 4, as ⟨v⁴⟩ is infinite below.
     """
 
     dim: int
@@ -264,13 +258,13 @@ class TwoBeams:
 
     @property
     def symmetry(self) -> Symmetry:
-        """What keeps the line of the beams."""
+        """The signed permutations that keep the line of the beams."""
         generators = {2: ("-x,y", "x,-y"), 3: ("-x,y,z", "x,-y,z", "x,z,y")}
         return Symmetry.generated(self.dim, *generators[self.dim])
 
     @property
     def moments(self) -> StatedMoments:
-        """Those of two Gaussians."""
+        """Moments of two Gaussians."""
         beams = (self._centre, tuple(-c for c in self._centre))
         return of_gaussians((0.5, 0.5), beams, ((self.temperature,) * self.dim,) * 2)
 
@@ -296,6 +290,7 @@ INITIAL_DENSITIES: dict[str, Callable[..., NamedDensity]] = {
     "two_beams2d": partial(TwoBeams, 2),
     "two_beams3d": partial(TwoBeams, 3),
 }
+"""Makers of the initial densities by name; a new scene is a new row."""
 
 
 def scene_names() -> list[str]:
@@ -304,15 +299,20 @@ def scene_names() -> list[str]:
 
 
 def named_density(name: object) -> Callable[..., NamedDensity]:
-    """What makes the initial density of that name, or ValueError for an unknown one."""
+    """The maker of the initial density of that name; ValueError for an unknown name."""
     if name not in INITIAL_DENSITIES:
         raise unknown_name("scene", name, scene_names())
     return INITIAL_DENSITIES[str(name)]
 
 
 def density_parameters(name: str) -> tuple[dataclasses.Field[Any], ...]:
-    """What users can set of the density of that name: its fields beside the dimension."""
+    """Parameters that users can set of the density of that name: its fields without the dimension."""
     made = INITIAL_DENSITIES[name]
     density = made.func if isinstance(made, partial) else made
     fields = dataclasses.fields(density) if dataclasses.is_dataclass(density) else ()
     return tuple(field for field in fields if field.name != "dim")
+
+
+def _squared(v: Sequence[np.ndarray], centre: Sequence[float]) -> np.ndarray:
+    """|v − centre|²."""
+    return np.asarray(sum((vi - ci) ** 2 for vi, ci in zip(v, centre, strict=True)))

@@ -19,8 +19,8 @@ class Viscoelastic:
     """Restitution of viscoelastic spheres, e = 1 − C₁ A v^{1/5} + ⅗ C₁² A² v^{2/5}.
 
     v is the normal impact speed |g·ω|, and C₁ = 1.15344. The law is the series of Brilliantov & Pöschel,
-    *Kinetic Theory of Granular Gases* (2004), eq. 3.22, up to its second term. Its minimum is 7/12, so that
-    e stays in [0, 1] until C₁ A v^{1/5} exceeds 5/3.
+    *Kinetic Theory of Granular Gases* (2004), eq. 3.22, up to its second term. The law has the minimum
+    7/12: e stays in [0, 1] until C₁ A v^{1/5} exceeds 5/3.
 
     Attributes
     ----------

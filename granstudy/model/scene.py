@@ -15,7 +15,7 @@ from granstudy.model.stated_moments import StatedMoments
 from granstudy.support.checks import is_real
 from granstudy.support.errors import unknown_name
 from granstudy.velocity.cartesian import VelocityGrid
-from granstudy.velocity.space import VelocitySpace, check_dim
+from granstudy.velocity.space import VelocitySpace, check_dim, check_shape
 from granstudy.velocity.symmetry import Symmetry
 
 
@@ -133,8 +133,7 @@ class Scene:
 
 def check_density(f: np.ndarray, grid: VelocitySpace) -> np.ndarray:
     """Return ``f`` as float64, or raise ValueError for its shape, type, values or mass on the grid."""
-    if np.shape(f) != grid.shape:
-        raise ValueError(f"density has shape {np.shape(f)}: the grid's is {grid.shape}")
+    check_shape(f, grid)
     if np.iscomplexobj(f) or not np.issubdtype(np.asarray(f).dtype, np.number):
         raise ValueError(f"density has type {np.asarray(f).dtype}: must be real numbers")
     f = np.ascontiguousarray(f, dtype=np.float64)

@@ -83,7 +83,7 @@ class Solver:
     rtol : float or None
         For `fast` and `auto`: tolerance in (0, 1) of the quadrature error of Q, over max|Q|; near an
         equilibrium, where Q vanishes, over a hundredth of the loss. Errors of the mass, momentum and energy
-        of Q are held to half of rtol, over those of |Q|. The shells, and the rule of each, are then chosen
+        of Q are held to half of rtol, over the same of |Q|. The shells, and the rule of each, are then chosen
         for the scene; N_rho, M_sph, M_cir, sphere_rule and radial_rule keep their defaults. For `radial`,
         which has no such error, rtol chooses N and R alone.
     circular : bool
@@ -92,7 +92,7 @@ class Solver:
     particles : int or None
         For `dsmc`, which needs it: particles of all batches together, a multiple of ``batches``.
     batches : int
-        For `dsmc`: independent batches, at least 2. Their spread gives the standard errors.
+        For `dsmc`: independent batches, at least 2; the spread between them gives standard errors.
     seed : int
         For `dsmc`: seed of the random numbers. The same seed gives the same bytes.
     dealias : bool

@@ -1,4 +1,4 @@
-"""Moments of initial densities in closed form: what is exact, whatever a grid makes of a density."""
+"""Moments of initial densities in closed form, exact on all of velocity space."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Direct simulation by particles, method `dsmc`: a check that shares nothing with a grid."""
+"""Direct simulation by particles, method `dsmc`: an independent check (docs/particles.md)."""
 
 from granstudy.particles.dataset import time_average
 from granstudy.particles.simulation import simulate_particles

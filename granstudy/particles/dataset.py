@@ -24,7 +24,7 @@ BY_BATCH = ("temperature", "a2")
 """Moments whose values in every batch are kept."""
 
 COUNTS = {"collisions": Quantity("collisions that a particle has had")}
-"""What particles count beside the moments."""
+"""Quantities of particles beside the moments."""
 
 
 def particle_dataset(
@@ -36,7 +36,7 @@ def particle_dataset(
     health: Sequence[dict[str, float]],
     ending: Ending,
 ) -> xr.Dataset:
-    """Dataset of a simulation by particles: that of a simulation on a grid, with standard errors.
+    """Dataset of a simulation by particles: the variables of a run on a grid, with standard errors.
 
     Parameters
     ----------

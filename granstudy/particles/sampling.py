@@ -20,9 +20,8 @@ class Sampler:
     """Draws velocities from the initial density of a scene, on the box [−L, L]^d of a grid.
 
     A cell is chosen in proportion to its majorant M ≈ max f, and a velocity is proposed uniformly in the
-    cell. The velocity becomes ⌊f/M + U⌋ particles, U uniform in [0, 1). Where M bounds f that is one particle
-    with probability f/M; where M does not, it is two or more at times. The expected density is f in either
-    case.
+    cell. The velocity becomes ⌊f/M + U⌋ particles, U uniform in [0, 1). Where M bounds f, one particle
+    results, with probability f/M; elsewhere two or more at times. The expected density is f in either case.
 
     Raises
     ------

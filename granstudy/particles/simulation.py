@@ -60,8 +60,8 @@ def simulate_particles(
         Times of the records, increasing from 0 or later. Any distance will do: collisions have no time step,
         and heating chooses its own.
     save_every : int, optional
-        Keep the density, counted in the cells of the grid, at every so many times, and at the first and the
-        last. Default: none is kept.
+        Keep the density, counted in the cells of the grid, at the first time, at every ``save_every``-th
+        after it, and at the last. Default: no density is kept.
     progress : bool, optional
         Show a progress bar. Default: where a person watches (a terminal).
 

@@ -74,7 +74,8 @@ class SteadyEquation:
     def residual(self, x: np.ndarray) -> np.ndarray:
         """The left-hand side at every node, then M_0(g)/ρ − 1 and M_E(g)/(½dρT) − 1.
 
-        A part of x without the symmetry does not belong to g. It is added, so that a solution has none.
+        A part of x without the symmetry does not belong to g. The residual includes it, so that a
+        solution has none.
         """
         g, s, m = self.split(x)
         left = self.collisions(g) + s * self.balance(g) + m * g + self._asymmetric(x)

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse.linalg import LinearOperator, gmres
 
 DENSE = 256
-"""Largest number of unknowns for which the derivative is written out as a matrix: that of radial grids."""
+"""Largest number of unknowns with a derivative written out as a matrix; radial grids have fewer."""
 
 FORCING = 1e-2
 """Part of the residual that GMRES leaves. A step so gains two digits; the next step would not use more."""

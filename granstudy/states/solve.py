@@ -48,8 +48,8 @@ def cooling_state(
     Returns
     -------
     xarray.Dataset
-        Parameters, status, trust and attributes are those of a run (`granstudy.simulate`). A state that was
-        not found has the status failed, with the reason; the last iterate is then given as it is.
+        Parameters, status, trust and attributes as of a run (`granstudy.simulate`). A state that was not
+        found has the status failed, with the reason; the last iterate is then given as it is.
 
         =============================================  =========================================
         `g`                                            density over the scaled velocities
@@ -75,7 +75,7 @@ def heated_state(
     The equation is Q(g,g) + sΔg = 0 for f = θ^{−d} g((v−u)/θ), at the temperature T_g of the scene's initial
     density on the grid. Then θ^{2+λ} = ε/s and T = θ²T_g, so that the grid holds the state at any ε.
 
-    Parameters, returned dataset and errors are those of `cooling_state`, with two differences: ε must be
+    Parameters, returned dataset and errors are as of `cooling_state`, with two differences: ε must be
     above 0, and `tail_slope` is −d ln f/d c^{1+λ/2}.
     """
     return _state(scene, solver, True, tolerance, max_iterations)

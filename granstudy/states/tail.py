@@ -25,8 +25,8 @@ def tail_slope(g: np.ndarray, grid: VelocitySpace, temperature: float, power: fl
     """Slopes −d ln g/d c^q between neighbouring nodes, out to where g first falls to its floor.
 
     The floor is `ABOVE_FLOOR` times the largest of three errors: −min g, |g| at the grid's border, and the
-    round-off of max g. The nodes are all nodes of a radial grid; on a Cartesian grid, those nearest to the
-    positive half of the first axis.
+    round-off of max g. The nodes are all nodes of a radial grid; of a Cartesian grid, the nodes nearest to
+    the positive half of the first axis.
 
     Parameters
     ----------

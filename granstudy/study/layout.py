@@ -66,6 +66,13 @@ class Layout:
         """Dataset of one run of an experiment."""
         return f"{self.runs}/{name}/{path}.nc"
 
+    def unfinished(self, name: str) -> str:
+        """Folder of what an experiment's jobs have computed so far.
+
+        Each experiment has its own: two may share a run (a reference), and two jobs at once its key.
+        """
+        return f"{self.runs}/.unfinished/{name}"
+
     def run_files(self, name: str) -> list[str]:
         """Datasets of an experiment's runs; of a benchmark its one file."""
         if self._is_timed(name):

@@ -77,7 +77,7 @@ def is_fork(module: str) -> bool:
 
 @cache
 def _tree(module: str) -> str:
-    """Syntax tree of a module as text, without docstrings; those below constants count as docstrings."""
+    """Syntax tree of a module as text, without docstrings, also without texts below constants."""
     tree = ast.parse(_source(module).read_text())
     for node in ast.walk(tree):
         if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)):

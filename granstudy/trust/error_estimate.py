@@ -12,14 +12,14 @@ from granstudy.trust.pair_rates import CollisionRates, RatesAt
 from granstudy.velocity.space import VelocitySpace
 
 BALANCES = 20
-"""Balances in a run, about. Each takes an evaluation of Q, and transforms on twice the box."""
+"""Balances in a run, about; each takes an evaluation of Q, and transforms on twice the box."""
 
 FASTEST = 0.5
 """Fastest relaxation of the shape, in parts of the collision frequency."""
 
 SLOWEST = {2: 1 / 64, 3: 1 / 24}
-"""Slowest relaxation of the shape, in parts of the collision frequency, by dimension: that of a2 for Maxwell
-molecules at e = 0 (docs/theory.md)."""
+"""Slowest relaxation of the shape, in parts of the collision frequency, by dimension: the rate of a2 for
+Maxwell molecules at e = 0 (docs/theory.md)."""
 
 
 class Imbalance(NamedTuple):

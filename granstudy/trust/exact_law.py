@@ -37,7 +37,8 @@ def add_exact_law(ds: xr.Dataset, scene: Scene) -> None:
 def check_maxwell_law(scene: Scene) -> None:
     """Raise ValueError unless T and a2 of the scene are known exactly.
 
-    Known are those of Maxwell molecules, at constant restitution, from a density that states its moments.
+    Exact laws hold for Maxwell molecules at constant restitution, and start from the moments that the
+    initial density states.
     """
     if scene.kernel.exponent != 0.0:
         raise ValueError(

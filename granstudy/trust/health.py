@@ -1,7 +1,7 @@
 """The health of a run: what is measured at every output, and the label that follows.
 
 On a grid, the exact rates of energy and fourth moment are sums over all pairs of a density
-(`granstudy.trust.pair_rates`). The difference between those rates and the moments of Q, integrated over
+(`granstudy.trust.pair_rates`). The difference between these rates and the moments of Q, integrated over
 time, estimates the errors of T and a2 (docs/method.md §10). Further signs show a density that its grid
 cannot hold. For particles, the spread of their batches gives the errors.
 """

@@ -131,6 +131,6 @@ def moments(f: np.ndarray, grid: VelocitySpace) -> xr.Dataset:
 
 
 def moment_values(f: np.ndarray, grid: VelocitySpace) -> dict[str, Any]:
-    """The moments as plain arrays, for use at every step."""
+    """The moments of `MOMENTS` as plain arrays, for use at every step."""
     m = grid.velocity_moments(f)
     return {name: moment.value(m, f, grid) for name, moment in MOMENTS.items()}

@@ -7,7 +7,6 @@ import pytest
 import xarray as xr
 
 import granstudy as gs
-from granstudy.support.files import write_whole
 
 RUN = """
 import sys
@@ -54,17 +53,3 @@ def test_round_trip_and_damage(tmp_path):
     xr.Dataset({"a": 1}).to_netcdf(path, engine="netcdf4")
     with pytest.raises(ValueError, match="granstudy did not write it"):
         gs.read_dataset(path)
-
-
-def test_a_write_that_fails_leaves_what_was_there(tmp_path):
-    path = tmp_path / "data.txt"
-    path.write_text("before")
-
-    def fail(partial):
-        partial.write_text("half")
-        raise RuntimeError("killed")
-
-    with pytest.raises(RuntimeError):
-        write_whole(path, fail)
-    assert [p.name for p in tmp_path.iterdir()] == ["data.txt"]
-    assert path.read_text() == "before"

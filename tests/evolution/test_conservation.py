@@ -57,7 +57,7 @@ def test_the_change_is_the_least():
 
 
 def test_it_leaves_the_tail_alone():
-    """The fourth moment of what it changes is that of the gas, not of the box."""
+    """The change has the fourth moment of the gas, not of the box."""
     form, f, Q = drifting("fast")
     change = projection(form, ("mass",))(f, Q) - Q
     grid = form.grid
@@ -108,7 +108,7 @@ def test_elastic_energy():
 
 
 def test_the_energy_that_collisions_take_is_that_of_all_pairs():
-    """Of Maxwell molecules T then follows the exact law, with however few directions."""
+    """T of Maxwell molecules then follows the exact law, with however few directions."""
     everything = ("mass", "momentum", "energy")
     time = {"t_final": 1.0, "dt": 0.05, "progress": False}
     for frame in ("fixed", "rescaled"):

@@ -1,4 +1,4 @@
-"""What is said of a run before it starts, against the operator that it gets."""
+"""Forecasts of runs, against the operators that the runs get."""
 
 import pytest
 from comparison import asymmetric_scene

@@ -120,37 +120,6 @@ def test_kernel(exponent, strength):
 
 
 @pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        ({"M_sph": 33}, "M_sph=33: rule 'design' has sizes 2, 6, 12"),
-        ({"M_sph": 33, "sphere_rule": "lebedev"}, "M_sph=33"),
-        ({"sphere_rule": "no/such/file.txt"}, "no/such/file.txt"),
-    ],
-)
-def test_sphere_rules(settings, message):
-    with pytest.raises(ValueError, match=message):
-        gs.collision_operator(gs.load_scene("bkw3d"), gs.Solver(**GOOD_SOLVER, **settings))
-
-
-def test_a_restitution_that_leaves_its_range_within_R():
-    scene = gs.load_scene("bkw2d", restitution=lambda v: 1.0 - 0.5 * v)
-    with pytest.raises(ValueError, match="impact speeds up to 7"):
-        gs.collision_operator(scene, gs.Solver(**GOOD_SOLVER))
-
-
-@pytest.mark.parametrize("method", ["literal", "direct", "fast"])
-def test_densities(method):
-    scene = gs.load_scene("bkw2d", restitution=0.5)
-    operator = gs.collision_operator(scene, gs.Solver(N=8, R=7.0, N_rho=4, M_cir=4, method=method))
-    f = scene.density(operator.grid)
-    with pytest.raises(ValueError, match=r"shape \(6, 6\): the grid's is \(8, 8\)"):
-        operator(f[:6, :6])
-    f[3, 3] = np.nan
-    with pytest.raises(ValueError, match="NaN or infinite"):
-        operator(f)
-
-
-@pytest.mark.parametrize(
     ("initial", "message"),
     [
         (lambda vx, vy: np.full((8, 8), np.nan), "64 values that are NaN"),
@@ -163,52 +132,3 @@ def test_initial_densities(initial, message):
     scene = gs.Scene(dim=2, initial=initial, kernel=gs.maxwell(2), restitution=0.5)
     with pytest.raises(ValueError, match=message):
         gs.simulate(scene, gs.Solver(**GOOD_SOLVER), t_final=1.0, dt=0.1)
-
-
-@pytest.mark.parametrize(
-    ("time", "message"),
-    [
-        ({"t_final": 1.0, "dt": 0.3}, "t_final=1.0 must be a whole number of steps"),
-        ({"t_final": -1.0, "dt": 0.1}, "t_final=-1.0: must be a positive number"),
-        ({"t_final": 1.0, "dt": [0.1]}, r"dt=\[0.1\]: must be a positive number"),
-        ({"t_final": 1.0, "dt": 0.1, "save_every": 0}, "save_every=0"),
-        ({"t_final": 1.0}, "dt=None, time_rtol=None: give one"),
-        ({"t_final": 1.0, "dt": 0.1, "time_rtol": 1e-6}, "dt=0.1, time_rtol=1e-06: give one"),
-        ({"t_final": 1.0, "time_rtol": 2.0}, "time_rtol=2.0: must be a number between 1e-13 and 1"),
-        ({"t_final": 1.0, "time_rtol": "1e-6"}, "time_rtol='1e-6': must be a positive number"),
-        ({"t_final": 1.0, "dt": 0.1, "times": [0.5]}, r"times=\[0.5\]: only with time_rtol"),
-        ({"t_final": 1.0, "time_rtol": 1e-6, "times": [0.5, 0.2]}, "must be positive and increase"),
-        ({"t_final": 1.0, "time_rtol": 1e-6, "times": [0.0, 0.2]}, "must be positive and increase"),
-        ({"t_final": 1.0, "time_rtol": 1e-6, "times": [0.5, 2.0]}, "the last must be t_final=1.0"),
-        ({"t_final": 1.0, "dt": 0.1, "frame": "scaled"}, "unknown frame 'scaled'.*'rescaled'"),
-        ({"t_final": 1.0, "dt": 0.1, "scheme": "rk4"}, "unknown scheme 'rk4'.*'rk3'"),
-        ({"t_final": 1.0, "dt": 0.1, "conserve": "mass"}, "conserve='mass': must be a sequence"),
-        (
-            {"t_final": 1.0, "dt": 0.1, "conserve": ["masss"]},
-            "unknown invariant in conserve 'masss'",
-        ),
-    ],
-)
-def test_times(time, message):
-    with pytest.raises(ValueError, match=message):
-        gs.simulate(gs.load_scene("bkw2d", restitution=0.5), gs.Solver(**GOOD_SOLVER), **time)
-
-
-def test_a_tolerance_where_the_frame_scales_the_restitution():
-    scene = gs.load_scene("bkw2d", restitution=gs.Viscoelastic(0.1))
-    solver = gs.Solver(N=16, R=7.0, rtol=1e-2)
-    with pytest.raises(ValueError, match="rtol=0.01: not where a rescaled frame changes the scale"):
-        gs.simulate(scene, solver, t_final=1.0, dt=0.1, frame="rescaled")
-
-
-def test_a_restitution_that_leaves_its_range_where_the_first_interpolation_needs_it():
-    scene = gs.load_scene("bkw2d", restitution=lambda v: 1.0 - v / 7.5)
-    with pytest.raises(ValueError, match="impact speeds up to 8.9"):
-        gs.simulate(scene, gs.Solver(**GOOD_SOLVER), t_final=1.0, dt=0.1, frame="rescaled")
-
-
-def test_a_density_that_was_not_kept():
-    scene = gs.load_scene("bkw2d", restitution=0.5)
-    ds = gs.simulate(scene, gs.Solver(**GOOD_SOLVER), t_final=0.1, dt=0.1, progress=False)
-    with pytest.raises(ValueError, match="holds no density: give simulate save_every"):
-        gs.physical_density(ds)

@@ -27,7 +27,7 @@ def scene_of(dim, exponent=0.0, restitution=1.0, diffusion=0.0, temperature=1.0,
 
 
 def assert_within_errors(ds, name, exact, allowed=4.0, floor=0.0):
-    """Every value but those exactly known lies within so many standard errors."""
+    """Every value lies within ``allowed`` standard errors of the exact one, and the ``floor``."""
     distance = np.abs(ds[name].values - exact)
     error = ds[f"{name}_standard_error"].values
     assert np.all(distance <= allowed * error + floor), (distance / (error + 1e-300)).round(1)

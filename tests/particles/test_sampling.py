@@ -1,4 +1,4 @@
-"""What is drawn from a density is distributed like it."""
+"""Velocities drawn from a density are distributed like the density."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Particles in a study: runs beside those of other methods, their cost, what a study refuses."""
+"""Particles in a study: runs beside other methods, their cost, what a study refuses."""
 
 import pytest
 

@@ -307,7 +307,7 @@ def test_wrong_settings(name, value):
     ],
 )
 def test_trust_is_earned(scene, N, R, a2):
-    """The estimated error is no less than the true one, and what is off by 0.01 is not trusted."""
+    """The estimated error is no less than the true one, and an error of 0.01 is not trusted."""
     ds = state(scene, gs.Solver(N=N, R=R, method="radial"))
     error = abs(float(ds["a2"]) - a2)
     assert error < float(ds["a2_error_estimate"]) + 1e-6

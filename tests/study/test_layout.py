@@ -97,3 +97,14 @@ def test_the_notebooks_of_shipped_studies_are_there_and_open_runs_of_theirs():
             files = [file for other in experiments for file in layout.run_files(other)]
             assert layout.notebook_files(notebook) == files
         assert layout.notebooks == [f"results/{name}/notebooks/{n}.ipynb" for n in notebooks]
+
+
+def test_jobs_that_compute_the_same_run_at_once_keep_their_own_copies():
+    """Tables 7 and 8 share their reference: the first job to end must not remove the other's copy."""
+    layout = Layout(load_study(CONFIG / "quick.yaml"))
+    holders = {}
+    for job in layout.jobs:
+        for key in job.keys:
+            holders.setdefault(key, set()).add(layout.unfinished(job.experiment))
+    shared = [folders for folders in holders.values() if len(folders) > 1]
+    assert shared == [{"results/quick/runs/.unfinished/" + name for name in ("table7", "table8")}]

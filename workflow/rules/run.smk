@@ -21,7 +21,7 @@ for job in LAYOUT.jobs:
             experiment=job.experiment,
             points=[run.path for run in job.runs],
             run_keys=job.keys,
-            unfinished=f"{LAYOUT.runs}/.unfinished",
+            unfinished=LAYOUT.unfinished(job.experiment),
         message:
             f"{job.experiment}: {len(job.runs)} runs from {job.runs[0].path}"
         script:

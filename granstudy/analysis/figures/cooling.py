@@ -14,10 +14,10 @@ from granstudy.datasets.open_runs import open_runs
 from granstudy.theory import haff_temperature
 
 SAMPLES = 20
-"""Markers of a run: the line between them is the fit's, and the two must be told apart."""
+"""Markers of a run; the line between them is the fit's, so that the two can be told apart."""
 
 ASKED = 1e-3
-"""The distance from −2/λ that the local slope is asked to come to."""
+"""Distance from −2/λ that the local slope has to fall below."""
 
 STYLES = ("-", "--", ":", "-.")
 """Line styles of the runs of a gas."""

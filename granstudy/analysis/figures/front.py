@@ -1,4 +1,4 @@
-"""The front of speed against error as a figure: a panel a scene, or a panel a measure of whole runs."""
+"""The front of speed against error: a panel a scene, or of whole runs a panel a measure."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -27,7 +27,7 @@ RUN_ERRORS = ("largest_temperature_error", "largest_a2_error")
 
 
 def draw_front(source: FigureSource) -> Figure:
-    """Draw time against error: of benchmarks a panel a table, of runs beside a truth a panel a measure."""
+    """Draw time against error: a panel a table of a benchmark, a panel a measure of runs beside a truth."""
     if "truth" in source.table.attrs:
         return run_front(source.table)
     return benchmark_front([source.table, *source.beside])
@@ -75,7 +75,7 @@ def benchmark_front(tables: Sequence[xr.Dataset]) -> Figure:
 
 
 def run_front(table: xr.Dataset) -> Figure:
-    """Draw how long runs took against their errors of T and of a2, a panel each.
+    """Draw the wall time of runs against their errors of T and of a2, a panel each.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ LEAST_DENSITY = 1e-7
 """Densities are drawn down to this part of the largest."""
 
 LONG_AGO = 100.0
-"""Time is drawn in its logarithm where the last output is so many times the first."""
+"""Times are drawn in their logarithm where the last output is so many times the first."""
 
 TIMES_OF_LAW = 200
 """Times at which an exact law is drawn."""
@@ -38,7 +38,7 @@ def draw_gallery(source: FigureSource) -> Figure:
     for i, ((run, file), key) in enumerate(zip(rows, keys(source.table, names), strict=True)):
         ds = read_dataset(file)
         look: dict[str, Any] = {"color": COLOURS[i % len(COLOURS)], "zorder": 3}
-        # What others agree with lies under them, wide and pale, so that both are seen.
+        # Runs that agree lie over each other, the first one wide and pale, so that all are seen.
         look |= {"linewidth": 1.3 + 0.8 * (len(rows) - 1 - i), "alpha": 0.85}
         label = run_text(dict(zip(names, key, strict=True)), symbol)
         label += f": {flag_word('trust', ds['trust'])}{', stopped' * bool(int(ds['status']))}"
@@ -62,7 +62,7 @@ def _is_long(times: np.ndarray) -> bool:
 
 
 def _dense(times: np.ndarray) -> np.ndarray:
-    """Times for a smooth curve, spaced evenly or so in their logarithm, with the outputs among them."""
+    """Times for a smooth curve, the outputs among them, even in time or in its logarithm."""
     if times.size < 3:
         return times
     space = np.geomspace if _is_long(times) else np.linspace
@@ -89,7 +89,7 @@ def _draw_truth(panels: Sequence[Axes], truth: Truth, file: str | None) -> None:
 
 
 def _scales(panels: Sequence[Axes], truth: Truth) -> None:
-    """Logarithms where numbers span decades; the density where it is worth looking at."""
+    """Set the axes: logarithms where numbers span decades, densities down to `LEAST_DENSITY`."""
     T, times = truth.temperature, truth.time
     for ax in panels[:2]:
         ax.set(xlabel="$t$", xlim=(0.0, times[-1]))

@@ -1,4 +1,4 @@
-"""Runs as lines: which belong to one, how it looks, what it is called."""
+"""Runs as lines of a figure: which belong together, their look, their names."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -33,7 +33,7 @@ def lines(table: xr.Dataset, names: Sequence[str]) -> Iterator[tuple[Line, xr.Da
 
 
 def label(line: Line) -> str:
-    """What a legend calls a line."""
+    """Name of a line in a legend."""
     return ", ".join(LABELS.get(value, value) for value in line)
 
 
@@ -42,7 +42,7 @@ def looks(found: Sequence[Line]) -> dict[Line, dict[str, Any]]:
     styles: dict[Line, dict[str, Any]] = {}
     for i, line in enumerate(found):
         colours = [FAMILY_COLOURS[value] for value in line if value in FAMILY_COLOURS]
-        # What others agree with lies under them, wide and pale, so that both are seen.
+        # The paper's own line lies under ours, wide and pale, so that both are seen.
         under = bool(set(PAPERS_OWN) & set(line)) and len(found) == 2
         styles[line] = {
             "color": colours[0] if colours else COLOURS[i % len(COLOURS)],
@@ -55,7 +55,7 @@ def looks(found: Sequence[Line]) -> dict[Line, dict[str, Any]]:
 
 
 def mark_values(ax: Axes, x: str, values: Sequence[float]) -> None:
-    """Ticks where the runs are."""
+    """Put ticks where the runs are."""
     if x == "M_sph":
         return
     ax.set_xscale("log", base=2)

@@ -1,4 +1,4 @@
-"""The map of a study as a figure: cases down, configurations across, errors in cells coloured by label."""
+"""The map of a study as a figure: cases down, configurations across, cells coloured by label."""
 
 from typing import Any
 
@@ -10,21 +10,22 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from granstudy.analysis.figures.style import STYLE
+from granstudy.analysis.groups import groups, keys
 from granstudy.analysis.tables.map import rule_line
 from granstudy.trust.flags import flag_word
 
 LABEL_COLOURS = {"trusted": "#A8DDB5", "marginal": "#FDE7A0", "untrusted": "#F4A6A0"}
-"""Light enough for black numbers; the numbers say the same to readers who do not tell them apart."""
+"""Colours light enough for black numbers, which say the same to readers who see no colours."""
 
 ERRORS = ("largest_temperature_error", "largest_a2_error")
-"""The numbers of a cell."""
+"""Numbers of a cell."""
 
 CELL_WIDTH = 2.9
 LINE_HEIGHT = 0.27
 """Width of a column and height of a run, in inches."""
 
 LETTERS = 52
-"""How many fit into a cell; what is longer takes two lines, in smaller type."""
+"""Letters that fit into a cell; longer texts take two lines, in smaller type."""
 
 
 def draw_map(table: xr.Dataset) -> Figure:
@@ -38,9 +39,7 @@ def draw_map(table: xr.Dataset) -> Figure:
     cases = list(dict.fromkeys(table["case"].values))
     columns = sorted(set(table["configuration"].values))
     place = {name: i for i, name in enumerate(columns)}
-    cells: dict[tuple[str, str], list[int]] = {}
-    for i, key in enumerate(zip(table["case"].values, table["configuration"].values, strict=True)):
-        cells.setdefault(key, []).append(i)
+    cells = groups(keys(table, ["case", "configuration"]))
     heights = [max(len(cells.get((case, c), [])) for c in columns) for case in cases]
     tops = np.cumsum([0, *heights])
     with mpl.rc_context(STYLE):

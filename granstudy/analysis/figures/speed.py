@@ -1,4 +1,4 @@
-"""Time of an evaluation of Q against N, a line a method."""
+"""Seconds of an evaluation of Q against N, a line a method."""
 
 import numpy as np
 import xarray as xr

@@ -1,4 +1,4 @@
-"""Kurtosis of cooling and heated states as a figure: against e, and its distance from theory or particles."""
+"""Kurtosis of cooling and heated states against e, and its distance from theory or particles."""
 
 from collections.abc import Sequence
 from itertools import cycle
@@ -34,7 +34,7 @@ UNIT = 1e-3
 """Differences from particles are drawn in this unit."""
 
 ASKED = 1e-4
-"""The error that states of Maxwell molecules are asked to be below from e = 0.5 on."""
+"""Error that states of Maxwell molecules have to fall below from e = 0.5 on."""
 
 NOT_TRUSTED = "open: not labelled trusted"
 
@@ -84,7 +84,7 @@ def draw_states(source: FigureSource) -> Figure:
 
 
 def _theories(ax: Axes, table: xr.Dataset) -> None:
-    """Curves of the theories that the table has columns of."""
+    """Draw the theories that the table has columns of."""
     state, dim, exponent = table.attrs["state"], table.attrs["dim"], float(table["exponent"])
     e = np.linspace(0.0, 1.0, 201)[:-1]
     for name, (label, style) in THEORIES.items():
@@ -94,7 +94,7 @@ def _theories(ax: Axes, table: xr.Dataset) -> None:
 
 
 def _groups(table: xr.Dataset) -> list[tuple[xr.Dataset, dict[str, Any]]]:
-    """The runs that differ in e (and ε) alone, and how they look."""
+    """Runs that differ in e (and ε) alone, and their look."""
     names = [name for name in table.attrs["swept"].split() if name not in ("e", "epsilon")]
     if not names:
         (family,) = set(families(table))
@@ -115,7 +115,7 @@ def _label(names: Sequence[str], key: Key) -> str:
 
 
 def _states(ax: Axes, part: xr.Dataset, name: str, look: dict[str, Any]) -> None:
-    """Line through the computed states, markers filled where they are labelled trusted."""
+    """Draw a line through the states, with markers filled where the label is trusted."""
     part = part.sortby("e")
     trusted = part["trust"].values == Trust.TRUSTED
     ax.plot(part["e"], part[name], markersize=4.5, zorder=2, **look)
@@ -126,7 +126,7 @@ def _states(ax: Axes, part: xr.Dataset, name: str, look: dict[str, Any]) -> None
 
 
 def _particles(upper: Axes, lower: Axes, table: xr.Dataset) -> None:
-    """What particles came to, with two standard errors either way."""
+    """Draw the particles' numbers, with two standard errors either way."""
     beside = [n for n in table.attrs.get("beside", "").split() if f"a2_{n}_standard_error" in table]
     for name in beside:
         bars = 2.0 * table[f"a2_{name}_standard_error"]

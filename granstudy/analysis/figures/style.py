@@ -1,4 +1,4 @@
-"""How figures look: colours, markers, labels, sizes."""
+"""Look of figures: colours, markers, labels, sizes."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ FAMILY_COLOURS = {
 
 @dataclass(frozen=True)
 class FamilyStyle:
-    """How a family of runs looks, and its place in a legend."""
+    """Look of a family of runs, and its place in a legend."""
 
     colour: str
     marker: str
@@ -38,9 +38,9 @@ class FamilyStyle:
 
 
 def family_styles(names: Iterable[str]) -> dict[str, FamilyStyle]:
-    """How the families of a figure look, in the order of its legend.
+    """Looks of a figure's families, in the order of its legend.
 
-    Families that `FAMILY_COLOURS` does not list come last, by name, in colours that no other one has.
+    Families without a row in `FAMILY_COLOURS` come last, by name, in colours that the figure's others leave.
     """
     shown = set(names)
     listed = {name: place for place, name in enumerate(FAMILY_COLOURS)}
@@ -72,7 +72,7 @@ LABELS = {
     "product": "Gauss in cos θ × uniform φ",
     "gauss-theta-phi": "Gauss in θ × Gauss in φ",
 }
-"""How the legend calls what a path names shortly."""
+"""Names in a legend of values that paths name shortly."""
 
 STYLE: Any = {
     "font.size": 9.0,

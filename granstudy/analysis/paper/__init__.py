@@ -1,1 +1,1 @@
-"""Paper."""
+"""Numbers printed in the paper (docs/method.md §6)."""

@@ -1,4 +1,4 @@
-"""The paper's printed numbers, and which run each belongs to."""
+"""Numbers printed in the paper, and the runs that they belong to."""
 
 from dataclasses import dataclass
 from importlib.resources import as_file, files
@@ -15,7 +15,7 @@ TABLES = (1, 2, 3, 4, 5, 6, 7, 8)
 """Numbers of the tables that the paper prints."""
 
 NAMES = (*(f"table{number}" for number in TABLES), "figure4")
-"""What a study file can name as ``table: {paper: ...}``."""
+"""Names that a study file can give as ``table: {paper: ...}``."""
 
 HAFF_CONSTANTS = {0.2: 0.5159, 0.8: 0.19058}
 """C0 by e for T0 = 2, the legend of the published Fig. 4 (docs/method.md §6).
@@ -28,7 +28,7 @@ VARIANTS = ("full", "separate")
 """Columns of Tables 1 and 2."""
 
 TIMED = {"direct": ("direct",), "fast": ("literal", "fast")}
-"""Methods that Table 5 times, each with our methods beside it: first the same method, then a faster one."""
+"""Methods that Table 5 times, and ours beside each: the same method first, then a faster one."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def check_printed(name: str) -> None:
 
 
 def _columns(number: int) -> dict[str, list[dict[str, Any]]]:
-    """A table's columns of numbers, each with the parameters of the runs that it belongs to.
+    """Columns of numbers of a table, each with the parameters of its runs.
 
     Tables 1 and 2 have a column for each variant, Table 5 one for each method (`TIMED`). Tables 3, 4, 6 and 7
     are spherical designs, Table 8 is Gauss–Legendre in θ and φ.

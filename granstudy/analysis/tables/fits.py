@@ -55,7 +55,7 @@ def growth_exponent(x: np.ndarray, cost: np.ndarray, least: float = 0.0) -> floa
 
 
 def local_slope(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Slopes d ln y/d ln x between neighbouring points, and where: the geometric means of their x."""
+    """Geometric means of neighbouring x, and the slopes d ln y/d ln x between them."""
     x = np.asarray(x, dtype=float)
     return np.sqrt(x[1:] * x[:-1]), np.diff(np.log(y)) / np.diff(np.log(x))
 
@@ -65,9 +65,9 @@ def fit_haff(
 ) -> tuple[float, float]:
     """Fit C0 of Haff's law T = T0 (1 + C0 t)^{−2} by least squares, and its standard error.
 
-    As the paper fits it (its Figs. 3 and 4, eq. 52): T0 stays at the initial temperature, all
-    times weigh alike. Haff's law holds for a fixed shape of the density; while the shape still
-    changes, C0 depends on the fitted interval, which the standard error does not tell.
+    The paper fits the same way (its Figs. 3 and 4, eq. 52): T0 stays at the initial temperature, all
+    times weigh alike. Haff's law holds for a fixed shape of the density. While the shape still
+    changes, C0 depends on the fitted interval; the standard error does not tell that.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def fit_haff(
 
 
 LEAST_MEMORY_MB = 8.0
-"""Peak memories below this are the allocator's, and not fitted."""
+"""Smaller peak memories are the allocator's, and are not fitted."""
 
 
 def with_order(table: xr.Dataset, source: TableSource) -> xr.Dataset:
@@ -175,9 +175,9 @@ class Fit:
     Attributes
     ----------
     add : callable
-        Takes the table and what it is made from; gives the table with the fit's columns.
+        (table, source of the table) ↦ the table with the fit's columns.
     beside : tuple of str
-        Variables of evolutions that the table shows with the fit.
+        Variables of the runs that an evolution's table shows with the fit.
     """
 
     add: Callable[[xr.Dataset, TableSource], xr.Dataset]
@@ -190,7 +190,7 @@ FITS: dict[str, Fit] = {
     "growth": Fit(with_growth),
     "slope": Fit(with_slope, beside=("a2",)),
 }
-"""The laws that a study file can ask for, as ``fit: {law: ...}``."""
+"""Laws that a study file can ask for, as ``fit: {law: ...}``."""
 
 
 def check_law(law: str) -> None:
@@ -200,7 +200,7 @@ def check_law(law: str) -> None:
 
 
 def _columns(names: Sequence[str], rows: Sequence[tuple[float, ...]]) -> dict[str, np.ndarray]:
-    """The columns of numbers that were found row by row."""
+    """Columns out of numbers that were found row by row."""
     return dict(zip(names, np.array(rows, dtype=float).T, strict=True))
 
 

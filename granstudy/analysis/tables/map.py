@@ -1,4 +1,4 @@
-"""The map of a study: every run that is held against a truth, its errors, and whether its label is right."""
+"""The map of a study: every run beside a truth, its errors, and whether its label is right."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -26,14 +26,14 @@ CONFIGURATION = ("method", "frame")
 """Parameters that are the map's columns."""
 
 ALWAYS = ("N", "R")
-"""Parameters that a cell names, beside those that its case sweeps."""
+"""Parameters that every row names, beside those that its case sweeps."""
 
 ROW = ("case", "configuration", "variation")
-"""What says which run a row is."""
+"""Coordinates that say which run a row is."""
 
 HEADER = (*ROW[:2], "", "error of T", "estimate", "error of a2", "estimate", "label")
 ALIGNMENT = ("left",) * 3 + ("right",) * 4 + ("left",)
-"""Headings of the Markdown table, and to which side their columns go."""
+"""Headings of the Markdown table, and the side to which each column goes."""
 
 
 def breaks_rule(trust: Trust, temperature_error: float, a2_error: float, status: Status) -> bool:
@@ -83,7 +83,7 @@ def label_map(title: str, tables: Mapping[str, xr.Dataset]) -> xr.Dataset:
 
 
 def _rows(case: str, table: xr.Dataset) -> xr.Dataset:
-    """One case's rows: its measures, with what tells its runs apart as text."""
+    """Rows of one case: its measures, and the parameters that tell its runs apart as text."""
     varying = [name for name in telling_apart(table) if name not in (*CONFIGURATION, *ALWAYS)]
     texts = {
         "configuration": _texts(table, CONFIGURATION),
@@ -106,7 +106,7 @@ def _texts(table: xr.Dataset, names: Sequence[str]) -> list[str]:
 
 
 def rule_line(table: xr.Dataset) -> str:
-    """How many labels break the rule, in one line."""
+    """Count the labels that break the rule, in one line."""
     wrong, runs = int(table["wrong"].sum()), table.sizes["run"]
     return (
         f"{wrong} of {runs} labels break the rule: no trusted run with more than 1% error in T or 0.01 in "

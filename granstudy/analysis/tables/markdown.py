@@ -16,20 +16,20 @@ from granstudy.study.benchmark.front import fastest_within
 from granstudy.trust.flags import FLAGS, Status, flag_word
 
 ALONE = {"C0", "seconds", "trust"}
-"""Columns that go with one run each, so that methods get a line each."""
+"""Columns that belong to one run each; methods then get a line each."""
 
 HIDDEN = ("has_paper", "reason")
-"""Columns that no reader of the table needs; the reasons stand below it."""
+"""Columns left out: `paper` is empty where `has_paper` is false, and reasons stand below the table."""
 
 NO_NUMBER = {str(value) for value in ABSENT.values() if not isinstance(value, str | bool)}
-"""Texts of the numbers that stand for a parameter that a run does not have; their cells stay empty."""
+"""Numbers that stand for a parameter that a run lacks; their cells stay empty."""
 
 
 def markdown_table(table: xr.Dataset) -> str:
-    """Title, GitHub table, and a line saying what the columns are.
+    """Title, GitHub table, and a legend: the quantity, the fastest runs, failures, fixed parameters.
 
-    Where runs differ in method alone they share a line; where an order was fitted, runs that differ
-    in the refined parameter alone do.
+    Runs that differ in method alone share a line. Where an order was fitted, runs that differ in the refined
+    parameter alone share one.
     """
     swept = table.attrs["swept"].split()
     left = len(swept) - 1
@@ -47,7 +47,7 @@ def markdown_table(table: xr.Dataset) -> str:
 def github_table(
     header: Sequence[str], lines: Sequence[Sequence[str]], alignment: Sequence[str]
 ) -> str:
-    """Cells as the lines of a GitHub table; ``alignment`` has ``left`` or ``right`` for each column."""
+    """Write cells as a GitHub table; ``alignment`` has ``left`` or ``right`` for each column."""
     text: str = pd.DataFrame(lines, columns=list(header)).to_markdown(
         index=False, tablefmt="pipe", colalign=alignment, disable_numparse=True
     )
@@ -107,7 +107,7 @@ def _across(table: xr.Dataset, swept: list[str], across: str) -> tuple[list[str]
 
 
 def _in_order(values: list[str], across: str) -> list[str]:
-    """The values of the parameter that is laid across: the paper's method first, numbers downwards."""
+    """Sort the values that are laid across: the paper's method first, numbers from large to small."""
     if across != "method":
         return sorted(values, key=float, reverse=True)
     known = list(dict.fromkeys([*PAPERS_OWN, *METHODS, *values]))
@@ -115,7 +115,7 @@ def _in_order(values: list[str], across: str) -> list[str]:
 
 
 def _as_swept(cells: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
-    """Lines in the order of the sweep, parameter by parameter, whichever block a run comes from."""
+    """Sort lines as the sweep does, parameter by parameter, whichever block a run comes from."""
     order = [
         {value: i for i, value in enumerate(dict.fromkeys(values))}
         for values in zip(*cells, strict=True)
@@ -144,13 +144,13 @@ def _number(table: xr.Dataset, name: str, i: int) -> str:
 
 
 def _beside(table: xr.Dataset) -> list[str]:
-    """The other experiments whose names stand in columns' names."""
+    """Other experiments, whose names may stand in columns' names."""
     beside: str = table.attrs.get("beside", "")
     return beside.split()
 
 
 def _legend(table: xr.Dataset) -> list[str]:
-    """Say what the quantity is, and what is held fixed."""
+    """Explain the quantity, list the fastest runs and the failures, and name fixed parameters."""
     quantity = table.attrs["quantity"]
     legend = column(quantity, _beside(table)).legend
     meaning = legend or table[quantity].attrs.get("long_name", quantity)

@@ -1,4 +1,4 @@
-"""What a study will take: a forecast a run, as a table to read and to load."""
+"""Forecast of a study: seconds and memory of every run before it starts, to read and to load."""
 
 import csv
 import io
@@ -23,18 +23,18 @@ HEADINGS = {
     "seconds": "seconds (estimated)",
     "memory_mb": "memory (MB)",
 }
-"""Numbers of a `Forecast` in the table, and what heads them."""
+"""Numbers of a `Forecast` in the table, and their headings."""
 
 ONLY_CSV = ("threads", "seconds_per_evaluation", "error", "reason")
-"""What the CSV file has beside them."""
+"""Further columns of the CSV file."""
 
 Row = tuple[str, Forecast]
 
 
 def study_forecasts(study: Study) -> list[Row]:
-    """The forecast of every run, references among them, by its experiment and path.
+    """Forecasts of every run, references among them, by experiment and path.
 
-    A run has the threads that its experiment gives it. A benchmark's runs count one evaluation each.
+    Each run has the threads of its experiment. A benchmark's runs count one evaluation each.
     """
     return [
         (f"{name}/{path}", forecast(run))
@@ -44,7 +44,7 @@ def study_forecasts(study: Study) -> list[Row]:
 
 
 def forecast(run: Run) -> Forecast:
-    """The forecast of one run."""
+    """Forecast one run."""
     solver = replace(run.solver, threads=run.model.threads)
     time = run.time
     if time is None:
@@ -76,7 +76,7 @@ def markdown(title: str, rows: Sequence[Row]) -> str:
 
 
 def as_csv(rows: Iterable[Row]) -> str:
-    """A line a run, with the reason and the estimated error, empty where there is none."""
+    """A line a run, with reason and estimated error; empty cells where there is none."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     names = (*HEADINGS, *ONLY_CSV)

@@ -20,17 +20,17 @@ from granstudy.support.errors import unknown_name
 from granstudy.trust.flags import Status
 
 BESIDE = ("temperature_error", "temperature", "temperature_standard_error", "density_drift")
-"""What an evolution's table shows beside its quantity, where the runs have it."""
+"""Columns of an evolution's table beside its quantity, where the runs have them."""
 
 AVERAGE_DIGITS = {"": ".6f", "_standard_error": ".1e"}
 """Formats of averages over time, and of their standard errors, by the ending of the column's name."""
 
 
 def evolution_table(source: TableSource) -> xr.Dataset:
-    """Moments and errors at the final time, or averages that are asked for.
+    """Moments and errors at the final time, or averages over time where the study file asks for them.
 
-    Columns: the quantity with its standard error, averages, `BESIDE`, what a fit is shown with, `status`. A
-    run that ended early has NaN for its numbers.
+    Columns: the quantity with its standard error, averages, `BESIDE`, variables that a fit stands beside,
+    `status`. A run that ended early has NaN for its numbers.
 
     Raises
     ------
@@ -111,13 +111,13 @@ def with_swept(table: xr.Dataset, rows: Sequence[Row]) -> xr.Dataset:
 
 
 def with_seconds(table: xr.Dataset, rows: Sequence[Row]) -> xr.Dataset:
-    """Add how long every run took."""
+    """Add the wall time of every run."""
     seconds = [run_seconds(file) for _, file in rows]
     return table.assign(seconds=("run", seconds, attributes("seconds")))
 
 
 def _averages(rows: Sequence[Row], asked: AverageModel) -> dict[str, Any]:
-    """Averages over time and their standard errors by batches, which replace the last values."""
+    """Averages over time in place of last values, with their standard errors over batches."""
     for run, _ in rows:
         if not run.solver.traits.by_particles:
             names = " and ".join(repr(name) for name, m in METHODS.items() if m.by_particles)

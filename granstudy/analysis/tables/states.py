@@ -1,4 +1,4 @@
-"""Tables of states: a state solved for, beside theory and beside what other experiments came to."""
+"""Tables of states: numbers that were solved for, beside theory and beside other experiments."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -16,7 +16,7 @@ from granstudy.study.run import Run
 from granstudy.study.schema.experiment import StateExperiment
 
 COMPARED = {"cooling": ("a2",), "heated": ("a2", "temperature")}
-"""What a state is compared in with other experiments; a cooling state has no temperature of its own."""
+"""Quantities compared with other experiments; a cooling state has no temperature of its own."""
 
 LINEAR: dict[str, dict[str, Callable[[float, int, float], float]]] = {
     "cooling": {"a2_linear": theory.cooling_state_a2, "a2_divided": theory.montanero_santos_a2},
@@ -35,8 +35,8 @@ def state_table(source: TableSource) -> xr.Dataset:
     """A row for each state, its columns in reading order.
 
     Columns: `a2`, theories of it, other experiments' a2; for heated states the same of `temperature`; `a3`,
-    `cooling_coefficient`, `estimated_a2_error`, the label `trust`, `status`. The attribute `state` says which
-    states they are, `beside` which other experiments there are.
+    `cooling_coefficient`, `estimated_a2_error`, the label `trust`, `status`. The attribute `state` is
+    ``cooling`` or ``heated``; `beside` names the other experiments.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def state_table(source: TableSource) -> xr.Dataset:
 
 
 def theory_a2(column: str, state: str, e: float, dim: int, exponent: float) -> float:
-    """a2 of a state by the theory that a column holds, one of `LINEAR` or ``a2_exact``."""
+    """a2 of a state by the theory of a column: one of `LINEAR`, or ``a2_exact``."""
     if column == "a2_exact":
         return float(EXACT_MOMENTS[state](2, e, dim)[2]) - 1.0
     return LINEAR[state][column](e, dim, exponent)
@@ -100,7 +100,7 @@ def _restitution(run: Run) -> float:
 
 
 def _beside(table: xr.Dataset, quantity: str, others: Mapping[str, xr.Dataset]) -> dict[str, Any]:
-    """What other experiments' tables say of the same gases, in one quantity.
+    """Other experiments' numbers for the same gases, in one quantity.
 
     Runs are of the same gas where all swept parameters are equal that both tables sweep. For each name in
     ``others``: `<quantity>_<name>`, its `.._standard_error` where the other table has one, and
@@ -127,7 +127,7 @@ def _beside(table: xr.Dataset, quantity: str, others: Mapping[str, xr.Dataset]) 
 
 
 def _same_gases(table: xr.Dataset, other: xr.Dataset, quantity: str, name: str) -> list[int | None]:
-    """For every run of a table, the run of another that is of the same gas."""
+    """Index of the same gas in another table for every run of a table; None where it has none."""
     swept, where = table.attrs["swept"].split(), f"table.beside={name!r}"
     common = [key for key in swept if key in other.attrs["swept"].split()]
     if not common:

@@ -37,11 +37,11 @@ class Kind:
     Attributes
     ----------
     table : callable
-        Makes the table's columns, and the attribute `swept`.
+        Source ↦ the table's columns, with the attribute `swept`.
     quantity : str
-        The table's quantity where the study file asks for no table.
+        Quantity where the study file asks for no table.
     as_built : bool
-        Whether the columns come in reading order; others get the order of
+        Whether `table` gives the columns in reading order; by default they get the order of
         `granstudy.analysis.columns.COLUMNS`.
     one_file : bool
         Whether all runs share one file; by default each has its own.
@@ -54,7 +54,7 @@ class Kind:
 
 
 def _evolution(source: TableSource) -> xr.Dataset:
-    """The table of evolutions, beside a truth where they have one."""
+    """Table of evolutions, beside a truth where they have one."""
     return truth_table(source) if source.experiment.has_truth else evolution_table(source)
 
 
@@ -81,13 +81,13 @@ def experiment_table(
     Parameters
     ----------
     experiment : Experiment
-        What the study file says: which quantity, which of the paper's tables, which fit.
+        The study file's section: which quantity, which of the paper's tables, which fit.
     runs : dict of Run
         The experiment's runs by path, references among them.
     files : sequence of str
         Their files in the same order; of a benchmark its one file.
     beside : sequence of Dataset
-        Tables of the experiments that stand beside states, as the study file lists them.
+        Tables of the experiments that stand beside states, in the study file's order.
 
     Returns
     -------
@@ -140,7 +140,7 @@ def _ordered(table: xr.Dataset, kind: Kind) -> xr.Dataset:
 
 
 def _titled(table: xr.Dataset, title: str) -> xr.Dataset:
-    """The table with what it is as attributes."""
+    """The table with its title, the conventions and `KEPT` as attributes."""
     kept = {key: table.attrs[key] for key in KEPT if key in table.attrs}
     table.attrs = {"title": title, "Conventions": CONVENTIONS, **kept}
     return table

@@ -1,4 +1,4 @@
-"""Runs beside their truth: errors of T and a2, the runs' own estimates of them, their labels."""
+"""Tables of runs beside their truth: errors of T and a2, the runs' own estimates, their labels."""
 
 from collections.abc import Mapping
 
@@ -20,19 +20,19 @@ MEASURES = (
     "largest_a2_error",
     "a2_error_estimate",
 )
-"""Errors of T and a2, each with the largest that the run itself estimated."""
+"""Errors of T and of a2, each with the run's own estimate of it."""
 
 AT_THE_END = {
     "temperature": "T at the last time reached",
     "a2": "kurtosis excess at the last time reached",
 }
-"""Long names of moments, which a run that diverged has up to there."""
+"""Long names of moments; a run that diverged has them up to there."""
 
 
 def truth_table(source: TableSource) -> xr.Dataset:
-    """A row for each run: `MEASURES`, its label, T and a2 at its end, `status`, seconds if asked for.
+    """A row for each run: `MEASURES`, label, T and a2 at the end, `status`, seconds if asked for.
 
-    The attribute `truth` says what the runs are held against.
+    The attribute `truth` names the truths, and how well T and a2 are known by them.
     """
     rows, files = source.rows, source.by_path
     with final_values([row.file for row in rows]) as final:
@@ -60,7 +60,7 @@ def truth_table(source: TableSource) -> xr.Dataset:
 
 
 def truth_model(run: Run) -> TruthModel:
-    """What the study file says of a run's truth."""
+    """The study file's section on a run's truth."""
     assert isinstance(run.model, EvolutionExperiment) and run.model.truth is not None
     return run.model.truth
 
@@ -75,7 +75,7 @@ def truth_of(run: Run, files: Mapping[str, str], times: np.ndarray) -> Truth:
     files : dict of str
         Files of the experiment's runs, its truths among them, by path.
     times : ndarray
-        Where an exact law is evaluated; a run that serves as truth has its own.
+        Times at which an exact law is evaluated; a run that serves as truth has its own.
     """
     if truth_model(run).law is not None:
         return maxwell_truth(run.scene, times)
@@ -83,7 +83,7 @@ def truth_of(run: Run, files: Mapping[str, str], times: np.ndarray) -> Truth:
 
 
 def _known(truth: Truth) -> str:
-    """The source of a truth, and how well T and a2 are known by it."""
+    """Write a truth's source, and how well T and a2 are known by it."""
     if not truth.temperature_uncertainty:
         return truth.source
     T, a2 = truth.temperature_uncertainty, truth.a2_uncertainty

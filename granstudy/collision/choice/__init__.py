@@ -1,1 +1,1 @@
-"""Choice."""
+"""Which method computes Q, on which grid, and at what cost."""

@@ -1,7 +1,6 @@
-"""A grid for a scene: R from how far apart its particles are, N from where its spectrum has decayed.
+"""A grid for a scene: R from the distances between its particles, N from the decay of its spectrum.
 
-For the initial density. A gas that cools needs more points as time goes on, at a time that the checks of
-a run report.
+The grid holds the initial density. A gas that cools needs more points later; the health of a run shows when.
 """
 
 from typing import Any
@@ -16,35 +15,42 @@ from granstudy.support.errors import ToleranceError
 from granstudy.velocity.cartesian import VelocityGrid
 
 PROBE_N = {2: 128, 3: 64}
-"""Points a dimension of the grid that the density is looked at on."""
+"""Points a dimension of the grid on which a density is probed, by dimension."""
 
 EDGE = 1e-12
-"""Largest |f| on the box's faces over max|f|, of a box that holds all of the density."""
+"""Largest |f| on the faces of a box that holds all of the density, over max|f|."""
 
 LARGEST_R = 1000.0
+"""R beyond which the search for such a box gives up."""
 
 R_STEP = 0.25
-"""R is a multiple of this."""
+"""Step of R: a chosen R is a multiple of it."""
 
 
 def fit_solver(scene: Scene, rtol: float, **settings: Any) -> SizedSolver:
-    """A solver with N, R and the quadrature chosen for a scene and a tolerance.
+    """A solver with N and R chosen for a scene and a tolerance; the tolerance then chooses the quadrature.
 
-    R: collisions of particles further apart than R exchange no more than rtol of all energy,
-    ∫_{|g|>R} |g|^{2+λ} a(g) dg ≤ rtol ∫ |g|^{2+λ} a(g) dg with a(g) = ∫ f(v) f(v−g) dv. N: the
-    fewest points for which aliasing changes Q by no more than rtol·max|Q|.
+    ===  ======================================================================================
+    R    the least radius beyond which pairs exchange at most the part rtol of all energy:
+         ∫_{|g|>R} |g|^{2+λ} a(g) dg ≤ rtol ∫ |g|^{2+λ} a(g) dg, with a(g) = ∫ f(v) f(v−g) dv
+    N    the fewest points on which aliasing changes Q by at most rtol·max|Q|
+    ===  ======================================================================================
 
     Parameters
     ----------
+    scene : Scene
+        Its initial density counts.
+    rtol : float
+        Tolerance, as of `granstudy.Solver`.
     settings
-        Other fields of `Solver`.
+        Other fields of `granstudy.Solver`.
 
     Raises
     ------
     ValueError
         If a setting is not allowed, or no box or grid of reasonable size holds the density.
     """
-    SizedSolver(N=SIZES[0], R=1.0, rtol=rtol, **settings)  # checks them before any work
+    SizedSolver(N=SIZES[0], R=1.0, rtol=rtol, **settings)  # checks all, before any work
     R = collision_radius(scene, rtol)
     for N in SIZES:
         solver = SizedSolver(N=N, R=R, rtol=rtol, **settings)
@@ -59,9 +65,9 @@ def fit_solver(scene: Scene, rtol: float, **settings: Any) -> SizedSolver:
 
 
 def collision_radius(scene: Scene, rtol: float) -> float:
-    """The smallest multiple of `R_STEP` beyond which no more than rtol of the energy is exchanged.
+    """The least multiple of `R_STEP` beyond which pairs exchange at most the part rtol of all energy.
 
-    The box that goes with it holds f but for rtol·max|f| on its faces.
+    R is raised until |f| on the faces of its box is at most rtol·max|f|.
     """
     grid, f = _whole(scene)
     padded = (2 * grid.N,) * grid.dim
@@ -78,7 +84,7 @@ def collision_radius(scene: Scene, rtol: float) -> float:
 
 
 def _whole(scene: Scene) -> tuple[VelocityGrid, np.ndarray]:
-    """A grid on whose faces the density vanishes, and the density there."""
+    """A grid that holds all of the density (`EDGE`), and the density on it."""
     R = 4.0
     while R < LARGEST_R:
         grid = VelocityGrid(scene.dim, PROBE_N[scene.dim], R)
@@ -92,13 +98,13 @@ def _whole(scene: Scene) -> tuple[VelocityGrid, np.ndarray]:
 
 
 def _face(f: np.ndarray) -> float:
-    """Largest |f| on the box's faces over the largest of all."""
+    """Largest |f| on the faces of the box, over max|f|."""
     faces = [np.take(f, [0, -1], axis=axis) for axis in range(f.ndim)]
     return float(max(np.max(np.abs(face)) for face in faces) / np.max(np.abs(f)))
 
 
 def _holds(grid: VelocityGrid, f: np.ndarray, rtol: float) -> bool:
-    """Whether f's spectrum has fallen to rtol at the grid's last modes."""
+    """Whether the spectrum of f has fallen to rtol at the last modes of the grid."""
     f_hat = np.abs(scipy.fft.fftn(f))
     last = [np.take(f_hat, [grid.N // 2 - 1, grid.N // 2], axis=axis) for axis in range(grid.dim)]
     return bool(max(np.max(part) for part in last) <= rtol * np.max(f_hat))

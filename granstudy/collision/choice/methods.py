@@ -1,7 +1,7 @@
 """Every collision method, a row each: what makes its operator, what it checks, what it costs.
 
-The module is a fork: a run follows only the row of its own method, and only that method's code counts in the
-run's key (`granstudy.support.fingerprint`).
+The module is a fork: the key of a run depends on the code of its own method alone
+(`granstudy.support.fingerprint`).
 """
 
 from collections.abc import Callable
@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 from granstudy.collision.carleman import scenes as carleman_scenes
 from granstudy.collision.carleman.operator import CarlemanOperator
-from granstudy.collision.choice.cost import CARLEMAN, DIRECT, FAST, LITERAL, RADIAL, MethodCost
+from granstudy.collision.choice.cost import MethodCost
+from granstudy.collision.choice.method_costs import CARLEMAN, DIRECT, FAST, LITERAL, RADIAL
 from granstudy.collision.direct import DirectOperator
 from granstudy.collision.fast.adaptive.operator import AdaptiveOperator
 from granstudy.collision.fast.gpu.device import check_scene as check_gpu_scene
@@ -24,18 +25,20 @@ from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver, Solver
 
 Make = Callable[[Scene, SizedSolver], CollisionOperator]
+"""(scene, solver) ↦ its operator."""
 
 FORK = "no run follows or hashes this module (granstudy.support.fingerprint)"
+"""Mark of a fork."""
 
 
 def check_rule(scene: Scene, solver: SizedSolver) -> None:
-    """Raise ValueError unless there is a rule of directions of the size asked for."""
+    """Raise ValueError unless there is a rule with the number of directions asked for."""
     if solver.rtol is None:
         directions(scene, solver)
 
 
 def check_carleman(scene: Scene, solver: SizedSolver) -> None:
-    """Raise ValueError unless there is such a rule and the Carleman form can do the scene."""
+    """Raise ValueError unless there is such a rule, and the Carleman form can do the scene."""
     check_rule(scene, solver)
     carleman_scenes.check_scene(scene)
 
@@ -49,12 +52,16 @@ class OperatorRow:
     make : callable
         (scene, solver) ↦ its operator.
     check : callable
-        Raises ValueError for a scene or solver that the method cannot do, before any work.
+        (scene, solver) ↦ None; raises ValueError, before any work, for a scene or solver that the method
+        cannot do.
     cost : MethodCost
-        What an evaluation takes.
-    tuned, on_gpu, tuned_on_gpu : callable, optional
-        What makes the operator of a solver with a tolerance, on a GPU, or with both; only methods that take
-        ``rtol`` or ``device`` have these (`granstudy.model.methods`).
+        Cost of an evaluation.
+    tuned : callable, optional
+        (scene, solver) ↦ operator with a quadrature chosen for ``rtol``.
+    on_gpu : callable, optional
+        (scene, solver) ↦ operator on a GPU, for methods that take ``device``.
+    tuned_on_gpu : callable, optional
+        (scene, solver) ↦ operator with a chosen quadrature, on a GPU.
     """
 
     make: Make
@@ -85,7 +92,7 @@ OPERATORS: dict[str, OperatorRow] = {
 
 
 def maker(solver: Solver) -> Make:
-    """What makes the operator of a solver whose method is chosen; its module is the code that a run uses."""
+    """The maker of a solver's operator, its method being chosen; its module is the code that a run uses."""
     row = OPERATORS[solver.method]
     plain, tuned = (
         (row.make, row.tuned) if solver.device == "cpu" else (row.on_gpu, row.tuned_on_gpu)
@@ -96,7 +103,7 @@ def maker(solver: Solver) -> Make:
 
 
 def check(scene: Scene, solver: SizedSolver) -> None:
-    """Raise ValueError for what would stop the solver's method on the scene, but for a missing GPU."""
+    """Raise ValueError for a scene that the solver's method cannot do; a missing GPU does not count."""
     OPERATORS[solver.method].check(scene, solver)
     if solver.device == "gpu":
         check_gpu_scene(scene)

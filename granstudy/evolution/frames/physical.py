@@ -1,4 +1,4 @@
-"""Moments and densities over velocities v from those over rescaled velocities c = (v − u)/θ."""
+"""Moments and densities over velocities v, of runs on rescaled velocities c = (v − u)/θ."""
 
 from typing import Any
 
@@ -50,7 +50,7 @@ def physical_density(ds: xr.Dataset) -> xr.DataArray:
     -------
     xarray.DataArray
         f. For a run in the fixed frame, `f` as it was kept. For a rescaled run f = θ^{−d} g, over the
-        scaled axes; each snapshot has velocities v = u + θc of its own, and so the coordinates ``vx``, ``vy``
+        scaled axes; each snapshot has velocities v = u + θc of its own; so the coordinates ``vx``, ``vy``
         (``vz``), or ``r``, run over ``snapshot`` and the scaled axis. For a state they run over the scaled
         axis alone.
 

@@ -173,7 +173,7 @@ class RescaledFrame:
         }
 
     def relative_size(self, change: np.ndarray, state: np.ndarray) -> float:
-        """Largest of three changes: that of g (`relative_change`), of log θ, and of u_f over θ."""
+        """Largest of three changes: of g (`relative_change`), of log θ, and of u_f over θ."""
         size = relative_change(self.form, self._split(change)[0], self._split(state)[0])
         moved = np.abs(change[self._nodes + 2 :]) * np.exp(-self._split(state)[1].log_scale)
         return float(max(size, np.abs(change[self._nodes]), *moved))

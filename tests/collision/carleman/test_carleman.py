@@ -10,7 +10,8 @@ from granstudy import theory
 from granstudy.collision.carleman import operator as carleman
 from granstudy.collision.carleman import scenes as carleman_scenes
 from granstudy.collision.carleman import weights as carleman_weights
-from granstudy.collision.choice.cost import estimate, transform_count
+from granstudy.collision.choice.cost import estimate
+from granstudy.collision.choice.method_costs import CARLEMAN
 from granstudy.collision.rules import directions
 from granstudy.model.densities import Bkw2D
 from granstudy.quadrature import half
@@ -285,10 +286,10 @@ def test_the_estimate_knows_the_transforms(dim, exponent, e):
     scene = asymmetric_scene(dim, 1, exponent, e)
     if e < 1.0 and exponent != dim - 2:
         return
-    solver = gs.Solver(N=16, R=7.0, method="carleman", M_cir=30, M_sph=12)
+    solver = gs.Solver(N=16, R=7.0, method="carleman", M_cir=30, M_sph=12).sized()
     made = gs.collision_operator(scene, solver).transforms
-    assert 0.5 < transform_count(scene, solver) / made < 2.0
-    some, twice = (estimate(scene, solver, evaluations) for evaluations in (100, 200))
+    assert 0.5 < CARLEMAN.transforms(scene, solver) / made < 2.0
+    some, twice = (estimate(CARLEMAN, scene, solver, evaluations) for evaluations in (100, 200))
     assert twice.seconds - twice.setup == pytest.approx(2 * (some.seconds - some.setup))
 
 

@@ -1,4 +1,4 @@
-"""What is chosen for a scene, that it computes what it says, and what a dataset tells of it."""
+"""The choice for a scene: which method, that its operator is the method's, what a dataset tells of it."""
 
 import json
 

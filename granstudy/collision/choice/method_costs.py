@@ -1,0 +1,229 @@
+"""What an evaluation of Q costs by each method that has an operator (`granstudy.collision.choice.cost`)."""
+
+import math
+from functools import cache
+
+from granstudy.collision.carleman.scenes import product_count
+from granstudy.collision.choice.cost import (
+    SECONDS_PER_CALL,
+    SETUP_SECONDS,
+    MethodCost,
+    TransformTimes,
+)
+from granstudy.collision.fourier.spectra import serial_transforms
+from granstudy.collision.rules import directions, reduce_directions
+from granstudy.model.scene import Scene
+from granstudy.model.solver import SizedSolver
+from granstudy.quadrature import circle_rule, sphere_rule
+from granstudy.velocity.symmetry import Symmetry
+
+SECONDS_PER_PAIR = 6.0e-9
+"""Seconds of one pair of modes, by `direct`."""
+
+SECONDS_PER_SHELL = 1.6e-4
+"""Seconds of one length |k| of modes, by `direct`: modes of one length share their weights."""
+
+SHELLS = {2: 0.14, 3: 0.62}
+"""Lengths |k| over N², about, by dimension: sums of two squares are rarer than sums of three."""
+
+NODES_PER_DIGIT2 = {2: 2.5, 3: 10.0}
+"""Nodes ±g that a tolerance takes by `fast`, over the square of its digits log₁₀(1/rtol): a fit, by
+dimension, to densities that their grid resolves, within a factor 2."""
+
+ORBIT_POWER = 0.6
+"""Power of a group's order that divides the number of nodes: many orbits are smaller than the group."""
+
+SERIES_FACTOR = {2: 5.5, 3: 5.0}
+"""Time of `fast` with a restitution law, over its time at constant e, by dimension."""
+
+SINGLE_FACTOR = 0.75
+"""Time of `fast` in single precision, over its time in double: 0.6 at N = 64, 0.8 at N = 32 in 3D."""
+
+SECONDS_PER_SERIES = 8.5e-4
+"""Seconds of the series of one shell and one |k|, which `fast` needs for a restitution law."""
+
+PLANNING_EVALUATIONS = 40
+"""Time of choosing a quadrature for a tolerance, in evaluations with that quadrature."""
+
+PLANNING_MEMORY = 150
+"""Numbers for each grid point that choosing a quadrature keeps: the parts of all shells, rule by rule."""
+
+SECONDS_PER_WEIGHT = 1.8e-7
+"""Seconds of one node of the integrals in the tensor of `radial`."""
+
+SECONDS_PER_TERM = 2.0e-10
+"""Seconds of one of the N³ terms in the bilinear form of `radial`."""
+
+SECONDS_PER_RADIAL_CALL = 1.0e-5
+"""Seconds of one evaluation by `radial`, whatever its size: nothing is handed to threads."""
+
+SECONDS_PER_FILTER = 1.0e-7
+"""Seconds of one number of the filters that `carleman` stores."""
+
+SECONDS_PER_SPLIT = 0.013
+"""Seconds of splitting a weight into several products for `carleman`, over N."""
+
+
+def _grid_points(scene: Scene, solver: SizedSolver) -> int:
+    """Points of the grid that products are formed on."""
+    return solver.product_points**scene.dim
+
+
+# literal: every node of the rule
+
+
+def _literal_nodes(scene: Scene, solver: SizedSolver) -> int:
+    """All nodes of the rule."""
+    assert solver.N_rho is not None
+    return solver.N_rho * len(directions(scene, solver))
+
+
+def _literal_numbers(scene: Scene, solver: SizedSolver, transforms: int) -> float:
+    assert solver.N_rho is not None
+    return (40.0 + solver.N_rho) * _grid_points(scene, solver)
+
+
+LITERAL = MethodCost(
+    nodes=_literal_nodes,
+    transforms=lambda scene, solver: (
+        2 * _literal_nodes(scene, solver) + (2 if solver.variant == "full" else 3)
+    ),
+    seconds=TransformTimes(8.5e-10, 1.0e-6, real=False).seconds,
+    setup=lambda scene, solver, each: SETUP_SECONDS,
+    numbers=_literal_numbers,
+    efficiency=0.7,
+)
+
+# direct: all pairs of modes
+
+
+def _direct_seconds(scene: Scene, solver: SizedSolver, transforms: int, n: int) -> float:
+    shells = SHELLS[scene.dim] * solver.N**2
+    pairs = (n**scene.dim) ** 2
+    return SECONDS_PER_CALL + shells * SECONDS_PER_SHELL + pairs * SECONDS_PER_PAIR
+
+
+DIRECT = MethodCost(
+    nodes=lambda scene, solver: 0,
+    transforms=lambda scene, solver: 2,
+    seconds=_direct_seconds,
+    setup=lambda scene, solver, each: SETUP_SECONDS,
+    numbers=lambda scene, solver, transforms: 40.0 * _grid_points(scene, solver),
+    efficiency=0.9,
+)
+
+# fast: one node of each orbit, or what a tolerance takes
+
+
+def _fast_nodes(scene: Scene, solver: SizedSolver) -> int:
+    """Nodes of all shells, one of each orbit; for a tolerance, by the fit `NODES_PER_DIGIT2`."""
+    if solver.rtol is None:
+        assert solver.N_rho is not None
+        return solver.N_rho * _reduced_count(scene, solver)
+    pairs = NODES_PER_DIGIT2[scene.dim] * math.log10(1.0 / solver.rtol) ** 2
+    return math.ceil(pairs / len(scene.symmetry) ** ORBIT_POWER)
+
+
+def _reduced_count(scene: Scene, solver: SizedSolver) -> int:
+    """Directions that `fast` evaluates: one of each orbit under the scene's symmetry."""
+    if scene.dim == 2:
+        return _reduced_circle(solver.M_cir, scene.symmetry)
+    size = tuple(solver.M_sph) if isinstance(solver.M_sph, list) else solver.M_sph
+    return _reduced_sphere(size, solver.sphere_rule, scene.symmetry)
+
+
+@cache
+def _reduced_circle(M_cir: int, group: Symmetry) -> int:
+    return len(reduce_directions(circle_rule(M_cir), group)[1])
+
+
+@cache
+def _reduced_sphere(M_sph: int | tuple[int, int], name: str, group: Symmetry) -> int:
+    return len(reduce_directions(sphere_rule(M_sph, name), group)[1])
+
+
+def _fast_seconds(scene: Scene, solver: SizedSolver, transforms: int, n: int) -> float:
+    seconds = TransformTimes(1.5e-10, 5.0e-7).seconds(scene, solver, transforms, n)
+    factor = SERIES_FACTOR[scene.dim] if callable(scene.restitution) else 1.0
+    factor *= SINGLE_FACTOR if solver.precision == "single" else 1.0
+    return SECONDS_PER_CALL + factor * (seconds - SECONDS_PER_CALL)
+
+
+def _fast_setup(scene: Scene, solver: SizedSolver, each: float) -> float:
+    if solver.rtol is not None:
+        return SETUP_SECONDS + PLANNING_EVALUATIONS * each
+    if not callable(scene.restitution):
+        return SETUP_SECONDS
+    assert solver.N_rho is not None
+    return SETUP_SECONDS + solver.N_rho * SHELLS[scene.dim] * solver.N**2 * SECONDS_PER_SERIES
+
+
+def _fast_numbers(scene: Scene, solver: SizedSolver, transforms: int) -> float:
+    planning = 0.0 if solver.rtol is None else PLANNING_MEMORY
+    return (40.0 + planning) * _grid_points(scene, solver)
+
+
+FAST = MethodCost(
+    nodes=_fast_nodes,
+    transforms=lambda scene, solver: (
+        2 * _fast_nodes(scene, solver) + serial_transforms(solver.N, solver.product_points)
+    ),
+    seconds=_fast_seconds,
+    setup=_fast_setup,
+    numbers=_fast_numbers,
+    efficiency=0.7,
+    exact=lambda solver: solver.rtol is None,
+)
+
+# radial: a bilinear form, its tensor computed once
+
+
+def _radial_setup(scene: Scene, solver: SizedSolver, each: float) -> float:
+    """Seconds of the tensor: N²/2 pairs of modes, about 24 + N angles, 24 + 4N/3 shells.
+
+    A tensor in the cache takes none of it.
+    """
+    nodes = solver.N**2 / 2 * (24 + solver.N) * (24 + 4 * solver.N / 3)
+    return SETUP_SECONDS + nodes * SECONDS_PER_WEIGHT
+
+
+RADIAL = MethodCost(
+    nodes=lambda scene, solver: 0,
+    transforms=lambda scene, solver: 0,
+    seconds=lambda scene, solver, transforms, n: (
+        SECONDS_PER_RADIAL_CALL + solver.N**3 * SECONDS_PER_TERM
+    ),
+    setup=_radial_setup,
+    numbers=lambda scene, solver, transforms: 20 * solver.N**3,
+    efficiency=0.0,
+)
+
+# carleman: products of filtered densities, two transforms for each product of a pair of directions
+
+
+def _carleman_nodes(scene: Scene, solver: SizedSolver) -> int:
+    """Products of all pairs of directions; in 2D at e = 1, one of each four directions is enough."""
+    pairs = len(directions(scene, solver)) // 2
+    if scene.dim == 2 and scene.restitution == 1.0 and solver.M_cir % 4 == 0:
+        pairs //= 2
+    return pairs * product_count(scene, solver.grid(scene.dim))
+
+
+def _carleman_setup(scene: Scene, solver: SizedSolver, each: float) -> float:
+    entries = 0.3 * solver.N**scene.dim * CARLEMAN.transforms(scene, solver)
+    several = product_count(scene, solver.grid(scene.dim)) > 1
+    return entries * SECONDS_PER_FILTER + several * solver.N * SECONDS_PER_SPLIT
+
+
+CARLEMAN = MethodCost(
+    nodes=_carleman_nodes,
+    transforms=lambda scene, solver: 2 * _carleman_nodes(scene, solver) + 2,
+    seconds=TransformTimes(1.8e-10, 5.0e-7).seconds,
+    setup=_carleman_setup,
+    # one filter for each transform, on the ball of modes
+    numbers=lambda scene, solver, transforms: (
+        (40.0 + 0.3 * transforms) * _grid_points(scene, solver)
+    ),
+    efficiency=0.7,  # not measured: transforms are like those of fast
+    exact=lambda solver: False,
+)
