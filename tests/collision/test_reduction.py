@@ -52,7 +52,7 @@ def test_equal_to_the_sum_over_all_images(case, variant, restitution):
     N = 8 if callable(restitution) else 12
     name, overrides, rule = SCENES[case]
     scene = gs.load_scene(name, restitution=restitution, kernel=gs.VHS(0.5, 0.1), **overrides)
-    solver = gs.Solver(N=N, R=7.0, N_rho=2, variant=variant, threads=1, **rule)
+    solver = gs.Solver(N=N, R=7.0, N_rho=2, variant=variant, threads=1, **rule).sized()
     operator = fast_operator(scene, solver)
     everyone = images(operator, scene)
     assert len(operator.group) > 1
@@ -76,7 +76,7 @@ def test_differs_from_the_sum_over_pairs_by_aliasing_alone(velocity, rule):
     scene = gs.load_scene(f"maxwellian{len(velocity)}d", velocity=velocity, restitution=0.3)
     errors = []
     for N in (16, 24, 32):
-        solver = gs.Solver(N=N, R=6.0, N_rho=4, **rule)
+        solver = gs.Solver(N=N, R=6.0, N_rho=4, **rule).sized()
         reduced = fast_operator(scene, solver)
         pairs = fast_operator(replace(scene, symmetry="none"), solver)
         assert pairs.transforms > 1.5 * reduced.transforms
@@ -89,10 +89,12 @@ def test_differs_from_the_sum_over_pairs_by_aliasing_alone(velocity, rule):
 
 def test_transforms_saved():
     rule = {"N": 8, "R": 7.0, "N_rho": 30, "M_sph": 38, "sphere_rule": "lebedev"}
-    octahedral = fast_operator(gs.load_scene("bkw3d", restitution=0.2), gs.Solver(**rule))
-    general = fast_operator(asymmetric_scene(3), gs.Solver(**rule))
+    octahedral = fast_operator(gs.load_scene("bkw3d", restitution=0.2), gs.Solver(**rule).sized())
+    general = fast_operator(asymmetric_scene(3), gs.Solver(**rule).sized())
     assert octahedral.transforms == 2 * 30 * 3 + 3
     assert general.transforms == 2 * 30 * 19 + 3
     # this design has nothing but ±1 in common with the scene, and pairs use that already
-    design = fast_operator(gs.load_scene("bkw3d", restitution=0.2), gs.Solver(8, 7.0, M_sph=70))
+    design = fast_operator(
+        gs.load_scene("bkw3d", restitution=0.2), gs.Solver(8, 7.0, M_sph=70).sized()
+    )
     assert len(design.group) == 1

@@ -214,7 +214,7 @@ def on_points(n):
 def test_the_bare_transforms_are_those_of_one_evaluation(counted, n):
     """With products on fewer, as many and more points, and by `carleman`."""
     scene = asymmetric_scene(2, restitution=1.0)
-    solver = gs.Solver(N=8, R=5.0, N_rho=3, M_cir=10)
+    solver = gs.Solver(N=8, R=5.0, N_rho=3, M_cir=10).sized()
     if n is None:
         operator = gs.collision_operator(scene, replace(solver, method="carleman"))
     else:

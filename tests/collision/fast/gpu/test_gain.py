@@ -41,7 +41,7 @@ def small(rule, **settings):
     # few points: these densities are not resolved, so that unpaired modes are large
     return gs.Solver(
         **{"N": 12, "R": 7.0, "N_rho": 5, "sphere_rule": "lebedev"} | rule | settings, threads=1
-    )
+    ).sized()
 
 
 @pytest.mark.parametrize("precision", ROUND_OFF)
@@ -72,7 +72,7 @@ def test_the_full_variant_keeps_the_mass(device):
 @pytest.mark.parametrize("case", ["2D", "square"])
 def test_a_planned_quadrature(device, case):
     scene, _ = SCENES[case]
-    solver = gs.Solver(N=32, R=7.0, rtol=1e-2, threads=1)
+    solver = gs.Solver(N=32, R=7.0, rtol=1e-2, threads=1).sized()
     compiled = AdaptiveOperator(scene, solver)
     adaptive = AdaptiveOperator(scene, solver, on(device))
     f = scene.density(compiled.grid)
