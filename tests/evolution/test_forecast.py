@@ -5,7 +5,6 @@ from comparison import asymmetric_scene
 
 import granstudy as gs
 from granstudy.analysis.tables.plan import write_plan
-from granstudy.study.study import load_study
 
 SMALL = {"N": 12, "R": 5.0, "N_rho": 6, "M_cir": 8, "M_sph": 12, "threads": 1}
 
@@ -66,9 +65,7 @@ def test_times_come_together():
         gs.plan(scene, solver, t_final=1.0, dt=0.3)
 
 
-def test_the_plan_of_a_study(tmp_path):
-    (tmp_path / "tiny.yaml").write_text(
-        """
+STUDY = """
 title: tiny
 experiments:
   errors:
@@ -80,8 +77,10 @@ experiments:
     sweep:
       - {M_cir: [6, 8], method: auto}
 """
-    )
-    write_plan(load_study(tmp_path / "tiny.yaml"), tmp_path / "plan.md", tmp_path / "plan.csv")
+
+
+def test_the_plan_of_a_study(load, tmp_path):
+    write_plan(load(), tmp_path / "plan.md", tmp_path / "plan.csv")
     text = (tmp_path / "plan.md").read_text()
     assert text.startswith("# Plan: tiny\n")
     assert "| errors/M_cir~6/method~auto |" in text and "| **total** " in text

@@ -66,7 +66,7 @@ def test_comments_and_docstrings_change_nothing(package):
     ("file", "old", "new", "kinds", "methods"),
     [
         ("velocity/moments.py", "2.0 * m.energy", "3.0 * m.energy", ["evolution"], METHODS),
-        ("evolution/schemes.py", "dt / 6", "dt / 7", ["evolution"], METHODS),
+        ("evolution/schemes.py", "h / 6", "h / 7", ["evolution"], METHODS),
         ("velocity/cartesian.py", "np.sqrt(2.0)", "np.sqrt(3.0)", KINDS, METHODS),
         ("velocity/radial.py", "import ", "import math, ", KINDS[:2], ["radial"]),
         ("collision/fast/operator.py", "import ", "import math, ", KINDS, ["fast"]),

@@ -15,7 +15,6 @@ from granstudy.collision.choice.method_costs import CARLEMAN
 from granstudy.collision.rules import directions
 from granstudy.model.densities import Bkw2D
 from granstudy.quadrature import half
-from granstudy.study.study import load_study
 
 RESOLVED = {2: {"N": 48, "R": 8.0}, 3: {"N": 24, "R": 8.0}}
 """Grids on which `asymmetric_scene` has small tails and little aliasing."""
@@ -326,9 +325,7 @@ def test_densities_it_cannot_take():
         operator(f)
 
 
-def test_a_study_is_told_before_any_work(tmp_path):
-    path = tmp_path / "study.yaml"
-    path.write_text("""
+STUDY = """
 title: test
 experiments:
   cooling:
@@ -340,6 +337,9 @@ experiments:
     sweep:
       - {e: [1.0, 0.9]}
     table: {quantity: temperature}
-""")
+"""
+
+
+def test_a_study_is_told_before_any_work(load):
     with pytest.raises(ValueError, match=r"run e~0.9.*restitution=0.9 with exponent=0.0 in 3D"):
-        load_study(path)
+        load()

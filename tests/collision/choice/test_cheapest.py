@@ -10,7 +10,6 @@ import granstudy as gs
 from granstudy.study.estimates import estimate_run
 from granstudy.study.execute import execute
 from granstudy.study.run_key import run_key
-from granstudy.study.study import load_study
 
 HARD, MAXWELL = 1.0, 0.0
 
@@ -151,15 +150,14 @@ experiments:
 """
 
 
-def test_a_study_leaves_the_choice_open(tmp_path):
-    (tmp_path / "auto.yaml").write_text(STUDY)
-    runs = list(load_study(tmp_path / "auto.yaml").runs["cooling"].values())
+def test_a_study_leaves_the_choice_open(load):
+    runs = list(load().runs["cooling"].values())
     assert len({run_key(run) for run in runs}) == 2
     ds = execute(runs[0], threads=1)
     assert ds["status"] == 0 and ds["method"] == "radial"
     assert estimate_run(runs[0]).cost.seconds > 0
 
-    (tmp_path / "fixed.yaml").write_text(
+    text = (
         STUDY.replace("{method: auto}", "{R: 7.0, N: 32, method: auto}")
         .replace(
             "run: evolution\n    scene: {name: bkw2d}",
@@ -168,4 +166,4 @@ def test_a_study_leaves_the_choice_open(tmp_path):
         .replace("    time: {t_final: 0.02, dt: 0.01}\n", "")
     )
     with pytest.raises(ValueError, match="method 'radial': has other velocity nodes than its ref"):
-        load_study(tmp_path / "fixed.yaml")
+        load(text=text)

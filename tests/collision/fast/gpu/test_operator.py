@@ -14,7 +14,6 @@ from granstudy.collision.fast.gpu import device
 from granstudy.collision.fast.gpu import operator as on_gpu
 from granstudy.collision.fast.gpu.gain import DeviceGainSum
 from granstudy.study.benchmark.benchmark import benchmark
-from granstudy.study.study import load_study
 
 SMALL = gs.Solver(N=12, R=7.0, N_rho=4, M_cir=6, M_sph=12, threads=1)
 TOLERANT = gs.Solver(N=24, R=7.0, rtol=1e-2, threads=1)
@@ -99,18 +98,8 @@ experiments:
 """
 
 
-@pytest.fixture
-def study(tmp_path):
-    def load(old="", new=""):
-        assert old in STUDY
-        (tmp_path / "devices.yaml").write_text(STUDY.replace(old, new) if old else STUDY)
-        return load_study(tmp_path / "devices.yaml")
-
-    return load
-
-
-def test_a_benchmark_of_devices(stand_in, study):
-    runs = study().runs["speed"]
+def test_a_benchmark_of_devices(stand_in, load):
+    runs = load().runs["speed"]
     assert list(runs) == ["M_cir~8/method~fast/device~cpu", "M_cir~8/method~fast/device~gpu"]
     ds = benchmark(list(runs.values()), 1)
     assert ds["device"].values.tolist() == ["cpu", "gpu"]
@@ -119,10 +108,10 @@ def test_a_benchmark_of_devices(stand_in, study):
     assert (ds["fft_seconds"] > 0).all() and (ds["seconds"] > 0).all()
 
 
-def test_the_growth_of_a_device_is_its_own(stand_in, study, tmp_path):
+def test_the_growth_of_a_device_is_its_own(stand_in, load, tmp_path):
     old = "{M_cir: 8, method: fast, device: [cpu, gpu]}\n    table: {quantity: error}"
     new = "{N: [6, 12], M_cir: 8, device: [cpu, gpu]}\n    fit: {law: growth, x: N}"
-    loaded = study(old, new)
+    loaded = load(old, new)
     experiment, runs = loaded.model.experiments["speed"], loaded.runs["speed"]
     gs.write_dataset(benchmark(list(runs.values()), 1), tmp_path / "speed.nc")
     table = experiment_table(experiment, runs, [str(tmp_path / "speed.nc")])
@@ -132,8 +121,8 @@ def test_the_growth_of_a_device_is_its_own(stand_in, study, tmp_path):
         assert part["time_exponent"].values == pytest.approx(exponent)
 
 
-def test_a_reference_does_not_inherit_the_device(study):
-    runs = study("N_rho: 4}", "N_rho: 4, precision: single, device: gpu}").runs["speed"]
+def test_a_reference_does_not_inherit_the_device(load):
+    runs = load("N_rho: 4}", "N_rho: 4, precision: single, device: gpu}").runs["speed"]
     for run in runs.values():
         reference = run.reference.solver
         assert (reference.method, reference.device, reference.precision) == (
@@ -155,9 +144,9 @@ def test_a_reference_does_not_inherit_the_device(study):
         ),
     ],
 )
-def test_mistakes_in_a_study(study, old, new, message):
+def test_mistakes_in_a_study(load, old, new, message):
     with pytest.raises(ValueError, match=message):
-        study(old, new)
+        load(old, new)
 
 
 def test_runs_of_both_devices_in_one_array(stand_in, tmp_path):
