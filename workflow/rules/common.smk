@@ -3,7 +3,6 @@ from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 
-from granstudy.analysis.vocabulary import check_words
 from granstudy.study.layout import Layout
 from granstudy.study.schema.file import MAP
 from granstudy.study.study import load_study
@@ -13,7 +12,10 @@ STUDY_FILE = config.get("study", "workflow/config/paper.yaml")
 
 try:
     STUDY = load_study(STUDY_FILE)
-    check_words(STUDY.model, STUDY_FILE)
+    if workflow.is_main_process:  # jobs load this file again, and Matplotlib takes half a second
+        from granstudy.analysis.vocabulary import check_words
+
+        check_words(STUDY.model, STUDY_FILE)
 except ValueError as error:
     raise WorkflowError(str(error)) from None
 
