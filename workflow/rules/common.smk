@@ -12,7 +12,9 @@ STUDY_FILE = config.get("study", "workflow/config/paper.yaml")
 
 try:
     STUDY = load_study(STUDY_FILE)
-    if workflow.is_main_process:  # jobs load this file again, and Matplotlib takes half a second
+    if (
+        workflow.is_main_process
+    ):  # jobs load this file again, and Matplotlib takes half a second
         from granstudy.analysis.vocabulary import check_words
 
         check_words(STUDY.model, STUDY_FILE)
