@@ -64,7 +64,7 @@ class TimingModel(Section):
 
 
 class AverageModel(Section):
-    """Moments of particles averaged over time, once a gas no longer changes but for its scale."""
+    """Moments of particles averaged over time, once the gas changes in scale alone."""
 
     start: Annotated[float, Field(ge=0.0, description="time from which on")]
     of: list[str] = Field(["a2"], min_length=1, description="temperature, a2")
