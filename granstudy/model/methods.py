@@ -36,6 +36,10 @@ class Method:
         Whether the method stands for another one, chosen for the scene.
     free_radii : bool
         Whether ``N_rho=None`` stands for as many radii as the integral needs.
+    laws : bool
+        Whether restitution may depend on the impact speed.
+    dimensions : tuple of int
+        Velocity dimensions d of the scenes that it takes.
     """
 
     takes: frozenset[str] = frozenset()
@@ -44,6 +48,8 @@ class Method:
     by_particles: bool = False
     chooses: bool = False
     free_radii: bool = False
+    laws: bool = True
+    dimensions: tuple[int, ...] = (2, 3)
 
 
 METHODS: dict[str, Method] = {
@@ -51,8 +57,10 @@ METHODS: dict[str, Method] = {
     "literal": Method(),
     "direct": Method(unused=frozenset({"M_sph", "M_cir", "sphere_rule"}), free_radii=True),
     "fast": Method(takes=PRODUCTS | {"rtol"}),
-    "radial": Method(takes=frozenset({"rtol"}), unused=QUADRATURE | {"variant"}, radial=True),
-    "carleman": Method(unused=frozenset({"N_rho", "radial_rule"})),
+    "radial": Method(
+        takes=frozenset({"rtol"}), unused=QUADRATURE | {"variant"}, radial=True, laws=False
+    ),
+    "carleman": Method(unused=frozenset({"N_rho", "radial_rule"}), laws=False),
     "dsmc": Method(
         takes=PARTICLES,
         unused=QUADRATURE | PRODUCTS | {"variant", "rtol", "circular"},

@@ -104,6 +104,14 @@ def maker(solver: Solver) -> Make:
 
 def check(scene: Scene, solver: SizedSolver) -> None:
     """Raise ValueError for a scene that the solver's method cannot do; a missing GPU does not count."""
+    if scene.dim not in solver.traits.dimensions:
+        allowed = " and ".join(map(str, solver.traits.dimensions))
+        raise ValueError(f"dim={scene.dim!r}: method {solver.method!r} takes {allowed}")
+    if callable(scene.restitution) and not solver.traits.laws:
+        raise ValueError(
+            f"restitution={scene.restitution!r}: method {solver.method!r} takes a constant, not a function "
+            "of the impact speed; take method 'fast'"
+        )
     OPERATORS[solver.method].check(scene, solver)
     if solver.device == "gpu":
         check_gpu_scene(scene)

@@ -1,9 +1,11 @@
 """The registry of methods: one row each, and the operator that each solver gets."""
 
+import dataclasses
+
 import pytest
 
 import granstudy as gs
-from granstudy.collision.choice.methods import OPERATORS, maker
+from granstudy.collision.choice.methods import OPERATORS, check, maker
 from granstudy.collision.fast.adaptive.operator import AdaptiveOperator
 from granstudy.collision.fast.gpu.operator import adaptive_on_gpu, fast_on_gpu
 from granstudy.collision.fast.operator import fast_operator
@@ -49,3 +51,24 @@ def test_checks_come_before_any_work():
     with pytest.raises(ValueError, match="M_sph"):
         bkw = gs.load_scene("bkw3d", restitution=0.5)
         OPERATORS["fast"].check(bkw, gs.Solver(8, 5.0, M_sph=17, sphere_rule="lebedev").sized())
+
+
+@pytest.mark.parametrize("name", list(OPERATORS))
+def test_the_check_of_a_method_knows_which_restitutions_it_takes(name):
+    law = gs.load_scene("bkw2d", restitution=gs.Viscoelastic(0.1))
+    solver = gs.Solver(8, 5.0, M_cir=8, method=name).sized()
+    if METHODS[name].laws:
+        check(law, solver)
+        assert gs.collision_operator(law, solver).grid.dim == 2
+    else:
+        with pytest.raises(ValueError, match=f"method '{name}' takes a constant"):
+            check(law, solver)
+
+
+def test_the_check_of_a_method_knows_its_dimensions(monkeypatch):
+    planar = dataclasses.replace(METHODS["literal"], dimensions=(2,))
+    monkeypatch.setitem(METHODS, "literal", planar)
+    solver = gs.Solver(8, 5.0, method="literal").sized()
+    check(gs.load_scene("bkw2d"), solver)
+    with pytest.raises(ValueError, match="dim=3: method 'literal' takes 2"):
+        check(gs.load_scene("bkw3d"), solver)
