@@ -8,6 +8,7 @@ import pytest
 from granstudy.analysis.columns import (
     COLUMNS,
     CONSTANT,
+    DERIVED,
     column,
     computed,
     heading,
@@ -56,7 +57,9 @@ def test_columns_named_at_run_time_follow_one_rule():
         assert about == {"long_name": "standard error of a2 of others", "units": "1"}
     # a row of its own goes before the rule
     assert listed("a2_error", ["error"]) == "a2_error"
-    assert tolerance("a2_others") is CONSTANT
+    assert tolerance("a2_others") is COLUMNS["a2"].tolerance
+    assert tolerance("a2_others_difference") is DERIVED["_difference"].tolerance
+    assert tolerance("a2_others_standard_error") is tolerance("N_rho") is CONSTANT
     assert heading("a2_others_difference") == "a2 others difference"
 
 
