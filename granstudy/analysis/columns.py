@@ -336,7 +336,7 @@ def symbol(name: str) -> str:
 
 
 def tolerance(name: str) -> Tolerance:
-    """The tolerance that a column is compared with, by the rule of `DERIVED` where its name is made at run time.
+    """The tolerance of a column, by the rule of `DERIVED` where its name is made at run time.
 
     A column ``<column>_<experiment>`` has the tolerance of the longest column that its name begins with. A
     parameter is a constant.
