@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import solve_ivp
+import scipy
 from scipy.special import gamma
 
 from granstudy.collision.choice.cost import INTERPRETER_MB, Cost
@@ -101,7 +101,9 @@ def expect(scene: Scene, solver: Solver, t_final: float) -> Expected:
         steps = max(split, nu / COLLISIONS_A_STEP) if eps else 0.0
         return [2.0 * eps / T - K * T ** (lam / 2), nu, steps]
 
-    end = solve_ivp(rates, (0.0, t_final), [math.log(T0), 0.0, 0.0], "LSODA", rtol=1e-3).y[:, -1]
+    start_values = [math.log(T0), 0.0, 0.0]
+    run = scipy.integrate.solve_ivp(rates, (0.0, t_final), start_values, "LSODA", rtol=1e-3)
+    end = run.y[:, -1]
     return Expected(collisions=float(end[1]), heating_steps=float(end[2]))
 
 

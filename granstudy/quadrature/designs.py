@@ -28,8 +28,8 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import least_squares, minimize
 
 from granstudy.quadrature.design_data import DESIGN_DEGREE, design_file
 from granstudy.quadrature.harmonics import harmonic_gradients, harmonics, residual
@@ -165,7 +165,9 @@ def spread(count: int, orbits: Orbits, seed: int) -> NDArray:
     """``count`` free points whose orbits have a locally least Coulomb energy."""
     u = np.random.default_rng([seed, count]).normal(size=3 * count)
     options = {"maxiter": 2000, "maxfun": 4000, "ftol": 1e-13, "gtol": 1e-7}
-    result = minimize(_energy, u, args=(orbits,), jac=True, method="L-BFGS-B", options=options)
+    result = scipy.optimize.minimize(
+        _energy, u, args=(orbits,), jac=True, method="L-BFGS-B", options=options
+    )
     return orbits.points(result.x)[0]
 
 
@@ -186,7 +188,7 @@ def solve(start: NDArray, degree: int, orbits: Orbits) -> NDArray:
         return (mean_gradients(x, modes, orbits) / length).reshape(len(modes), -1)
 
     tolerance = 1e-15
-    result = least_squares(
+    result = scipy.optimize.least_squares(
         sums, start.ravel(), jacobian, ftol=tolerance, xtol=tolerance, gtol=tolerance, max_nfev=200
     )
     return orbits.points(result.x)[0]

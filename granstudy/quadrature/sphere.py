@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.integrate import lebedev_rule
 
 from granstudy.quadrature.design_data import DESIGN_DEGREE, design_points
 from granstudy.quadrature.harmonics import exact_degree
@@ -100,7 +100,7 @@ def _equal_weights(points: NDArray[np.float64], degree: int, name: str) -> Rule:
 
 def _lebedev(M_sph: int) -> Rule:
     degree = LEBEDEV_DEGREE[M_sph]
-    points, weights = lebedev_rule(degree)
+    points, weights = scipy.integrate.lebedev_rule(degree)
     return Rule(points.T, weights, degree, f"lebedev M_sph={M_sph}")
 
 

@@ -12,7 +12,7 @@ The moments are central. Momentum is conserved, so that u = 0 may be assumed. Wi
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import solve_ivp
+import scipy
 
 from granstudy.theory.checks import check_restitution, check_tensor
 from granstudy.velocity.space import check_dim
@@ -221,7 +221,9 @@ def maxwell_a2(
 
     if times[-1] == 0.0:
         return np.array([float(a2)])
-    run = solve_ivp(slope, (0.0, times[-1]), [a2], "LSODA", times, rtol=1e-12, atol=1e-13)
+    run = scipy.integrate.solve_ivp(
+        slope, (0.0, times[-1]), [a2], "LSODA", times, rtol=1e-12, atol=1e-13
+    )
     if not run.success:
         raise ValueError(f"t={t!r}: a2 could not be integrated that far: {run.message}")
     return run.y[0]

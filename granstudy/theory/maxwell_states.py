@@ -17,7 +17,7 @@ with μ_1 = T, r_1 = (1−e²)/4. In Sonine coefficients, μ_2/T² = 1 + a2 and 
 from math import comb
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 from scipy.special import gammaln, hyp2f1, roots_jacobi
 
 from granstudy.theory.checks import check_restitution
@@ -94,7 +94,9 @@ def maxwell_tail_exponent(restitution: float, dim: int) -> float:
     r1 = (1.0 - restitution**2) / 4.0
     if r1 == 0.0:
         return float("inf")
-    s = brentq(lambda s: decay_rate(s, restitution, dim) - s * r1, 2.0, 1.0 / r1, xtol=1e-13)
+    s = scipy.optimize.brentq(
+        lambda s: decay_rate(s, restitution, dim) - s * r1, 2.0, 1.0 / r1, xtol=1e-13
+    )
     return 2.0 * float(s)
 
 

@@ -26,7 +26,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import BSpline, make_interp_spline
+import scipy
 from scipy.special import j0, j1
 
 from granstudy.collision.carleman.scenes import is_separable, reach
@@ -177,8 +177,8 @@ def sum_of_products(
     return [(_spline(fine, u[:, j]), _spline(fine, v[:, j])) for j in range(rank)]
 
 
-def _spline(points: np.ndarray, values: np.ndarray) -> BSpline:
-    return make_interp_spline(points, values, k=5)
+def _spline(points: np.ndarray, values: np.ndarray) -> "scipy.interpolate.BSpline":
+    return scipy.interpolate.make_interp_spline(points, values, k=5)
 
 
 def loss_profile(terms: list[Product], grid: VelocityGrid, m: np.ndarray) -> np.ndarray:
