@@ -1,1 +1,1 @@
-"""Tables and figures of a study, beside the paper's numbers; comparison with committed tables."""
+"""What people read of a study: tables, figures, comparisons."""

@@ -1,1 +1,1 @@
-"""From a study file to its runs, their keys and jobs, and where their results lie."""
+"""From a study file to checked runs, jobs and results."""
