@@ -8,9 +8,10 @@ import xarray as xr
 
 from granstudy.collision.fast.adaptive.retuning import Tuning
 from granstudy.collision.operator import collision_operator, concrete
-from granstudy.datasets.run_dataset import Ending, Header, labelled, stamped
+from granstudy.datasets.run_dataset import Ending, Header, stamped
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
+from granstudy.support.variables import labelled
 from granstudy.trust.flags import Status
 from granstudy.velocity.space import VelocitySpace
 
