@@ -16,6 +16,7 @@ HOUSE = Path(__file__).parents[1] / "granstudy"
 FLOORS = (
     ("analysis",),
     ("study",),
+    ("runs",),
     ("states",),
     ("evolution",),
     ("particles",),

@@ -4,8 +4,9 @@ import shutil
 from pathlib import Path
 
 from granstudy.model.solver import Choice, SizedSolver, Solver
-from granstudy.study.execute import execute_job
-from granstudy.study.run_key import run_fingerprint, run_keys
+from granstudy.runs.execute import obtain
+from granstudy.runs.run_key import run_fingerprint, run_key
+from granstudy.runs.store import Store, link
 from granstudy.study.study import load_study
 from granstudy.support import fingerprint
 
@@ -25,10 +26,13 @@ def replaced(text, old, new):
 
 def computed(runs, folder):
     """Compute an experiment's runs, given by path, as a job does; their files in the same order."""
-    runs = list(runs.values())
-    files = [str(Path(folder) / f"{run.path}.nc") for run in runs]
-    execute_job(runs, run_keys(runs), files, 1, Path(folder) / ".unfinished")
-    return files
+    store = Store(Path(folder).with_name(f"{Path(folder).name}-store"))
+    files = [Path(folder) / f"{run.path}.nc" for run in runs.values()]
+    for run, file in zip(runs.values(), files, strict=True):
+        key = run_key(run.computation)
+        obtain(run.computation, key, store)
+        link(store.path(key), file)
+    return list(map(str, files))
 
 
 def code(kind, method="fast", **fields):

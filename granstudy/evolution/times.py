@@ -139,6 +139,23 @@ class TimeSettings:
         assert self.dt is not None
         return self.dt * np.arange(self.steps + 1)
 
+    def describe(self) -> dict[str, Any]:
+        """The settings as plain data: equal for equal runs, whichever defaults were written out."""
+        number = {
+            name: None if value is None else float(value)
+            for name, value in (("dt", self.dt), ("time_rtol", self.time_rtol))
+        }
+        times = None if self.times is None else np.asarray(self.times, dtype=float).tolist()
+        return {
+            "t_final": float(self.t_final),
+            **number,
+            "times": times,
+            "frame": self.frame,
+            "scheme": self.scheme,
+            "conserve": list(self.conserve),
+            "save_every": None if self.save_every is None else int(self.save_every),
+        }
+
     def coordinates(self) -> dict[str, Any]:
         """The parameters of time that a study sweeps, by name (`granstudy.datasets.parameters`)."""
         step = {"dt": self.dt} if self.time_rtol is None else {"time_rtol": self.time_rtol}

@@ -4,51 +4,71 @@ from granstudy.collision.choice.methods import check
 from granstudy.evolution.times import check_frame
 from granstudy.model.restitution import check_restitution
 from granstudy.particles.restitution_table import alpha_table
-from granstudy.study.estimates import chosen, expected_evaluations, planned_scene
-from granstudy.study.kinds import KINDS
+from granstudy.runs.computation import Computation, ladder
+from granstudy.runs.estimates import chosen, expected_evaluations, planned_scene
+from granstudy.runs.kinds import KINDS
 from granstudy.study.run import Run
+from granstudy.study.schema.experiment import EvolutionExperiment
+from granstudy.trust.exact_law import check_maxwell_law
 
 
 def check_run(run: Run) -> None:
     """Raise ValueError for anything that would stop a run, its reference or its truth later."""
-    kind, solver = KINDS[run.model.run], run.solver
-    if solver.N is None and kind.needs_size:
-        raise ValueError(f"N=None: {run.model.run} runs need N and R")
-    kind.check(run)
-    expected_evaluations(run)  # t_final must be a whole number of steps
-    if solver.traits.by_particles:
-        _check_particles(run)
-    else:
-        _check_operator(run)
-    if run.time is not None:
-        check_frame(run.scene, chosen(run).solver, run.time)
+    _check_law(run)
+    check_computation(run.computation)
     if not run.is_reference:
         _check_measures(run)
 
 
-def _check_particles(run: Run) -> None:
-    method = run.solver.method
-    if not KINDS[run.model.run].by_particles:
+def check_computation(computation: Computation) -> None:
+    """Raise ValueError for anything that would stop a run later."""
+    if computation.refinement is not None:
+        for rung in ladder(computation):
+            check_computation(rung)
+        return
+    kind, solver = KINDS[computation.kind], computation.solver
+    if solver.N is None and kind.needs_size:
+        raise ValueError(f"N=None: {computation.kind} runs need N and R")
+    kind.check(computation)
+    expected_evaluations(computation)  # t_final must be a whole number of steps
+    if solver.traits.by_particles:
+        _check_particles(computation)
+    else:
+        _check_operator(computation)
+    if computation.time is not None:
+        check_frame(computation.scene, chosen(computation).solver, computation.time)
+
+
+def _check_particles(computation: Computation) -> None:
+    method = computation.solver.method
+    if not KINDS[computation.kind].by_particles:
         able = " and ".join(name for name, kind in KINDS.items() if kind.by_particles)
         raise ValueError(
-            f"method={method!r}: has no collision operator for {run.model.run} runs, only {able} runs"
+            f"method={method!r}: has no collision operator for {computation.kind} runs, only {able} runs"
         )
-    alpha_table(run.scene.restitution, chosen(run).solver.R)
+    alpha_table(computation.scene.restitution, chosen(computation).solver.R)
 
 
-def _check_operator(run: Run) -> None:
-    solver = chosen(run).solver
-    check_restitution(run.scene.restitution, solver.R)
+def _check_operator(computation: Computation) -> None:
+    solver = chosen(computation).solver
+    check_restitution(computation.scene.restitution, solver.R)
     # A method that was chosen was chosen for the scene that Q is planned for.
-    asked = run.solver.method == solver.method
-    check(run.scene if asked else planned_scene(run), solver)
+    asked = computation.solver.method == solver.method
+    check(computation.scene if asked else planned_scene(computation), solver)
+
+
+def _check_law(run: Run) -> None:
+    """Raise ValueError unless the exact law holds that the run is held against, if it is one."""
+    model = run.model
+    if isinstance(model, EvolutionExperiment) and model.truth is not None and model.truth.law:
+        check_maxwell_law(run.scene)
 
 
 def _check_measures(run: Run) -> None:
     """Check what the run is measured against."""
     if run.has_reference:
         check_run(run.reference)
-        if KINDS[run.model.run].shares_nodes:
+        if KINDS[run.computation.kind].shares_nodes:
             _check_nodes(run)
         return
     for truth in run.measured_against:
@@ -59,7 +79,7 @@ def _check_measures(run: Run) -> None:
 
 
 def _check_nodes(run: Run) -> None:
-    own, other = chosen(run).solver, chosen(run.reference).solver
+    own, other = chosen(run.computation).solver, chosen(run.reference.computation).solver
     if own.traits.radial != other.traits.radial:
         raise ValueError(
             f"method {own.method!r}: has other velocity nodes than its reference's method "

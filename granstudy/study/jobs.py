@@ -1,68 +1,115 @@
-"""Cheap runs of an experiment share a job: starting one takes seconds, whatever it computes."""
+"""Runs that share a job: starting a process takes seconds, whatever it computes."""
 
-from dataclasses import dataclass
-from functools import cached_property
-from itertools import count
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from math import ceil
+from pathlib import Path
 
-from granstudy.study.estimates import estimate_run
-from granstudy.study.run import Run
-from granstudy.study.run_key import run_keys
+from granstudy.runs.estimates import estimate_run
+from granstudy.study.study import Member
+from granstudy.support.files import write_json
 
-JOB_SECONDS = 60.0
-"""Runs are put together until their estimated time reaches this; a longer run is alone in its job."""
+LONGEST, SHORTEST = 60.0, 2.0
+"""Seconds of estimated work that a job gets at most and at least; a longer run is alone in its job."""
+
+JOBS_PER_CORE = 3
+"""Jobs a core that the work is divided into, so that one long job does not keep the others waiting."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """Some runs of one experiment, computed one after the other by one process."""
+    """Some runs of a study, computed one after the other by one process.
 
-    experiment: str
-    number: int
-    runs: tuple[Run, ...]
+    Attributes
+    ----------
+    runs : tuple of (str, str, str)
+        Experiment, path and key of each run; a run with several names is there several times.
+    seconds : tuple of float
+        Estimated time of each run on one core, 0 for a further name.
+    threads : int
+        Cores that the job takes.
+    memory_mb : int
+        Estimated memory of its largest run.
+    """
 
-    @cached_property
-    def keys(self) -> list[str]:
-        """`run_key` of every run."""
-        return run_keys(self.runs)
+    runs: tuple[tuple[str, str, str], ...]
+    seconds: tuple[float, ...]
+    threads: int
+    memory_mb: int
 
     @property
-    def threads(self) -> int:
-        """Cores that the job takes."""
-        return self.runs[0].model.threads
+    def id(self) -> str:
+        """Name of the job: a hash over its runs."""
+        return hashlib.sha256(" ".join(key for _, _, key in self.runs).encode()).hexdigest()[:10]
 
     @property
-    def seconds(self) -> float:
-        """Estimated time on one core."""
-        return sum(_seconds(run) for run in self.runs)
+    def experiments(self) -> list[str]:
+        """The experiments that its runs were taken from."""
+        return list(dict.fromkeys(experiment for experiment, _, _ in self.runs))
+
+    @property
+    def total(self) -> float:
+        """Estimated time of all its runs on one core."""
+        return sum(self.seconds)
 
     @property
     def minutes(self) -> int:
         """Minutes to ask a cluster for: five times the estimate, and time to start."""
-        return 5 + ceil(5 * self.seconds / 60)
+        return 5 + ceil(5 * self.total / 60)
 
-    @property
-    def memory_mb(self) -> int:
-        """Estimated memory of its largest run."""
-        return max(estimate_run(run).cost.memory_mb for run in self.runs)
+    def write(self, path: Path) -> None:
+        """Write the job to a file, which the process that computes it reads."""
+        write_json(path, asdict(self))
+
+    @classmethod
+    def read(cls, path: str | Path) -> "Job":
+        """Read a job from its file."""
+        content = json.loads(Path(path).read_text(encoding="utf-8"))
+        runs = tuple((experiment, name, key) for experiment, name, key in content["runs"])
+        return cls(runs, tuple(content["seconds"]), content["threads"], content["memory_mb"])
 
 
-def jobs(runs: list[Run]) -> list[Job]:
-    """Divide an experiment's runs into jobs, in their order."""
-    numbers = count(1)
+def jobs(runs: Sequence[Sequence[Member]], cores: int | None) -> list[Job]:
+    """Divide runs into jobs, in their order; the longest job comes first.
+
+    Parameters
+    ----------
+    runs : sequence of sequences of Member
+        Members of one inner sequence are the same run under several names.
+    cores : int or None
+        Cores that the jobs share; None where each job gets a machine of its own.
+    """
+    total = sum(map(_seconds, runs))
+    share = LONGEST if cores is None else total / (JOBS_PER_CORE * cores)
+    enough = min(max(share, SHORTEST), LONGEST)
     found: list[Job] = []
-    waiting: list[Run] = []
+    waiting: list[Sequence[Member]] = []
     for run in [*runs, None]:
-        full = sum(map(_seconds, waiting)) >= JOB_SECONDS
-        alone = run is None or _seconds(run) >= JOB_SECONDS
-        if waiting and (full or alone):
-            found.append(Job(waiting[0].experiment, next(numbers), tuple(waiting)))
+        full = sum(map(_seconds, waiting)) >= enough
+        alone = run is None or _seconds(run) >= enough
+        other = run is not None and bool(waiting) and _threads(run) != _threads(waiting[0])
+        if waiting and (full or alone or other):
+            found.append(_job(waiting))
             waiting = []
         if run is not None:
             waiting.append(run)
-    return found
+    return sorted(found, key=lambda job: -job.total)
 
 
-def _seconds(run: Run) -> float:
+def _job(runs: Sequence[Sequence[Member]]) -> Job:
+    names = [(m.experiment, m.path, m.key) for run in runs for m in run]
+    seconds = [_seconds(run) if m is run[0] else 0.0 for run in runs for m in run]
+    memory = [estimate_run(run[0].run.computation).cost.memory_mb for run in runs]
+    return Job(tuple(names), tuple(seconds), _threads(runs[0]), max(memory))
+
+
+def _seconds(run: Sequence[Member]) -> float:
     """Estimated time of a run on one core."""
-    return estimate_run(run).cost.seconds
+    return estimate_run(run[0].run.computation).cost.seconds
+
+
+def _threads(run: Sequence[Member]) -> int:
+    """Most cores that an experiment gives the run."""
+    return max(member.run.model.threads for member in run)

@@ -1,14 +1,13 @@
 """Where the results of a study lie, and what each of them is made from."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from pathlib import Path
 
+from granstudy.runs.estimates import chosen
+from granstudy.runs.run_key import run_fingerprint
+from granstudy.runs.store import Store
 from granstudy.study.benchmark.benchmark import benchmark
-from granstudy.study.estimates import chosen
-from granstudy.study.jobs import Job, jobs
-from granstudy.study.kinds import KINDS
 from granstudy.study.run import Run
-from granstudy.study.run_key import run_fingerprint
 from granstudy.study.schema.experiment import Experiment
 from granstudy.study.schema.file import MAP
 from granstudy.study.study import Study
@@ -40,44 +39,71 @@ class Layout:
         return f"{self.folder}/{self.study.name}"
 
     @property
+    def store(self) -> Store:
+        """The store of runs, which all studies in the folder share."""
+        return Store.beside(self.folder)
+
+    @property
     def runs(self) -> str:
-        """Folder of the datasets of its runs."""
+        """Folder of the study's runs: a name for each, of a file in the store."""
         return f"{self.results}/runs"
+
+    @property
+    def manifest(self) -> Path:
+        """What the study's folder of runs holds, as JSON: experiment/path ↦ key."""
+        return Path(self.runs) / "study.json"
 
     def experiment(self, name: str) -> Experiment:
         """What the study file says of an experiment."""
         return self.study.model.experiments[name]
 
-    @cached_property
-    def jobs(self) -> list[Job]:
-        """The jobs of all experiments whose runs are computed one by one."""
-        return [
-            job
-            for name, runs in self.study.runs.items()
-            if not self._is_timed(name)
-            for job in jobs(list(runs.values()))
-        ]
-
-    def _is_timed(self, name: str) -> bool:
-        """Whether the experiment's runs are computed together, into one file."""
-        return KINDS[self.experiment(name).run].compute is None
-
     def run_file(self, name: str, path: str) -> str:
         """Dataset of one run of an experiment."""
         return f"{self.runs}/{name}/{path}.nc"
 
-    def unfinished(self, name: str) -> str:
-        """Folder of what an experiment's jobs have computed so far.
-
-        Each experiment has its own: two may share a run (a reference), and two jobs at once its key.
-        """
-        return f"{self.runs}/.unfinished/{name}"
-
     def run_files(self, name: str) -> list[str]:
         """Datasets of an experiment's runs; of a benchmark its one file."""
-        if self._is_timed(name):
-            return [f"{self.results}/benchmarks/{name}.nc"]
+        if self.study.is_timed(name):
+            return [self.benchmark_file(name)]
         return [self.run_file(name, path) for path in self.study.runs[name]]
+
+    def benchmark_file(self, name: str) -> str:
+        """Dataset of all runs of a benchmark."""
+        return f"{self.results}/benchmarks/{name}.nc"
+
+    @property
+    def jobs(self) -> Path:
+        """Folder of the jobs: what each computes, how far it is, and the receipt of one that is done."""
+        return Path(self.results) / "jobs"
+
+    @property
+    def overview(self) -> Path:
+        """What was done and what was left when the workflow started, as JSON."""
+        return self.jobs / "overview.json"
+
+    def job_file(self, job: str) -> str:
+        """What a job computes."""
+        return f"{self.jobs}/{job}.json"
+
+    def receipt(self, job: str) -> str:
+        """Receipt of a job that has computed all its runs."""
+        return f"{self.jobs}/{job}.done"
+
+    def complete(self, name: str) -> str:
+        """Keys of an experiment's runs, as JSON; the file is there while all of them are in the store."""
+        return f"{self.results}/datasets/{name}.json"
+
+    def awaited(self, name: str) -> str:
+        """What the file `complete` will say, while some runs of an experiment are missing."""
+        return f"{self.jobs}/{name}.runs"
+
+    def dataset(self, name: str) -> str:
+        """All runs of an experiment as one dataset, without densities; of a benchmark its one file."""
+        return (
+            self.benchmark_file(name)
+            if self.study.is_timed(name)
+            else f"{self.results}/datasets/{name}.nc"
+        )
 
     def table_file(self, name: str, form: str = "nc") -> str:
         """Table of an experiment, or of the map."""
@@ -107,19 +133,25 @@ class Layout:
     def benchmark_parameters(self, name: str) -> list[str]:
         """All that a benchmark's numbers depend on but the code."""
         runs = self._benchmarked(name)
-        parameters = list(dict.fromkeys(run.parameters() for run in runs))
+        parameters = list(dict.fromkeys(run.computation.parameters for run in runs))
         return [*parameters, runs[0].timing.model_dump_json()]
 
     def benchmark_code(self, name: str) -> list[str]:
         """Fingerprints of the code that is timed, and of the code that times it."""
-        kind = self.experiment(name).run
-        timed = {run_fingerprint(kind, chosen(run)) for run in self._benchmarked(name)}
+        kind = self.experiment(name).computes
+        choices = [chosen(run.computation) for run in self._benchmarked(name)]
+        timed = {run_fingerprint(kind, choice) for choice in choices}
         return [*sorted(timed), fingerprint([benchmark.__module__])]
 
     def _benchmarked(self, name: str) -> list[Run]:
         """Runs of a benchmark, and those that their errors are measured against."""
         runs = list(self.study.runs[name].values())
         return runs + [run.reference for run in runs if run.has_reference]
+
+    @property
+    def datasets(self) -> list[str]:
+        """The datasets of all experiments."""
+        return [self.dataset(name) for name in self.study.model.experiments]
 
     @property
     def tables(self) -> list[str]:
@@ -157,10 +189,9 @@ class Layout:
 
     def notebook_files(self, name: str) -> list[str]:
         """Datasets that a notebook opens."""
-        opened = self._notebooks.get(name, ())
-        return [file for experiment in opened for file in self.run_files(experiment)]
+        return [self.dataset(experiment) for experiment in self._notebooks.get(name, ())]
 
     @property
     def wanted(self) -> list[str]:
         """All that the study asks for."""
-        return [*self.tables, *self.figures, *self.map, *self.notebooks]
+        return [*self.datasets, *self.tables, *self.figures, *self.map, *self.notebooks]

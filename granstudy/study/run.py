@@ -1,6 +1,5 @@
 """One run of a study: its values, its canonical name, and the scene, solver and times that they come to."""
 
-import json
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from decimal import Decimal
@@ -14,6 +13,7 @@ from granstudy.model.methods import METHODS, PARTICLES
 from granstudy.model.restitution import Viscoelastic
 from granstudy.model.scene import Scene, load_scene
 from granstudy.model.solver import Solver
+from granstudy.runs.computation import Computation
 from granstudy.study.schema.experiment import (
     BenchmarkExperiment,
     CollisionExperiment,
@@ -33,9 +33,6 @@ SHARED_WITH_TRUTH = ("e", "exponent", "epsilon")
 
 NOT_SHARED = ("rtol", "precision", "device")
 """Settings of an experiment's solver that its reference does not take over; it says its own."""
-
-NO_TIMES = {"dt": None, "save_every": None}
-"""Fields of a run's times that its parameters name even where they are left out."""
 
 
 @dataclass(frozen=True)
@@ -187,26 +184,20 @@ class Run:
             fields["conserve"] = _conserved(fields["conserve"])
         return fields
 
-    @cached_property
+    @property
     def time(self) -> TimeSettings | None:
         """How the run goes through time, checked; None where nothing evolves."""
-        return TimeSettings(**self.time_fields) if self._evolves else None
+        return self.computation.time
 
     @property
     def _evolves(self) -> bool:
         return isinstance(self.model, EvolutionExperiment)
 
-    def parameters(self) -> str:
-        """All that the run depends on, as canonical JSON."""
-        return json.dumps(
-            {
-                "run": self.model.computes,
-                "scene": self.scene.describe(),
-                "solver": self.solver.describe(),
-                "time": {**NO_TIMES, **self.time_fields} if self._evolves else None,
-            },
-            sort_keys=True,
-        )
+    @cached_property
+    def computation(self) -> Computation:
+        """What the run computes, whichever study asks for it."""
+        fields = self.time_fields if self._evolves else None
+        return Computation(self.model.computes, self.scene, self.solver, fields)
 
 
 def _restitution(value: Any) -> Any:

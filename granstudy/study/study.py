@@ -1,11 +1,15 @@
 """Studies: from a study file to its checked runs."""
 
 import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from granstudy.datasets.parameters import PARAMETERS, SWEPT
+from granstudy.runs.kinds import KINDS
+from granstudy.runs.run_key import run_keys
 from granstudy.study.checks import check_run
 from granstudy.study.run import Run
 from granstudy.study.schema.experiment import BenchmarkExperiment, Experiment, TimingModel
@@ -13,9 +17,27 @@ from granstudy.study.schema.file import StudyFile, read_study_file
 from granstudy.support.errors import unknown_name
 
 
+class Member(NamedTuple):
+    """A run of a study: its experiment, its path there, and its key."""
+
+    experiment: str
+    path: str
+    run: Run
+    key: str
+
+
 @dataclass(frozen=True)
 class Study:
-    """A checked study file; ``runs`` by experiment, then by path, references among them."""
+    """A study file and its runs.
+
+    Attributes
+    ----------
+    name : str
+        The file's name, without its ending.
+    model : StudyFile
+    runs : dict of dict of Run
+        By experiment, then by path, references among them.
+    """
 
     name: str
     model: StudyFile
@@ -30,6 +52,22 @@ class Study:
                 f"study {self.name!r} has no run {experiment}/{path}: add its value to a sweep list"
             ) from None
 
+    def is_timed(self, experiment: str) -> bool:
+        """Whether an experiment's runs are computed together, into one file."""
+        return KINDS[self.model.experiments[experiment].computes].compute is None
+
+    @cached_property
+    def members(self) -> list[Member]:
+        """All runs that are computed one by one, each with its key."""
+        found = [
+            (experiment, path, run)
+            for experiment, runs in self.runs.items()
+            if not self.is_timed(experiment)
+            for path, run in runs.items()
+        ]
+        keys = run_keys([run.computation for _, _, run in found])
+        return [Member(*one, key) for one, key in zip(found, keys, strict=True)]
+
 
 def load_study(path: str | Path) -> Study:
     """Read a study file and check every run in it.
@@ -39,29 +77,36 @@ def load_study(path: str | Path) -> Study:
     ValueError
         One line an error, each naming the file, the field, the value and what is allowed.
     """
-    model = read_study_file(path)
-    runs: dict[str, dict[str, Run]] = {}
-    for name, experiment in model.experiments.items():
+    study = read_study(path)
+    for name, experiment in study.model.experiments.items():
         try:
-            runs[name] = _checked_runs(name, experiment)
-            _check_beside(name, experiment, list(model.experiments))
+            _check_runs(name, experiment, study.runs[name])
+            _check_beside(name, experiment, list(study.model.experiments))
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
+    return study
+
+
+def read_study(path: str | Path) -> Study:
+    """Read a study file that was checked before, so that its runs need no check."""
+    model = read_study_file(path)
+    runs = {}
+    for name, experiment in model.experiments.items():
+        try:
+            runs[name] = {run.path: run for run in _expand(name, experiment)}
+        except ValueError as error:
+            raise ValueError(f"{path}: experiments.{name}: {error}") from None
     return Study(Path(path).stem, model, runs)
 
 
-def _checked_runs(name: str, experiment: Experiment) -> dict[str, Run]:
-    """The runs of an experiment by path, references among them, each checked."""
-    runs: dict[str, Run] = {}
-    for run in _expand(name, experiment):
+def _check_runs(name: str, experiment: Experiment, runs: dict[str, Run]) -> None:
+    for run in runs.values():
         try:
             check_run(run)
         except ValueError as error:
             raise ValueError(f"experiments.{name}, run {run.path}: {error}") from None
-        runs[run.path] = run
     if isinstance(experiment, BenchmarkExperiment):
         _check_baseline(name, experiment.timing, list(runs.values()))
-    return runs
 
 
 def _check_beside(name: str, experiment: Experiment, known: list[str]) -> None:
@@ -82,16 +127,15 @@ def _check_baseline(name: str, timing: TimingModel, runs: list[Run]) -> None:
         )
 
 
-def _expand(name: str, experiment: Experiment) -> list[Run]:
-    runs = []
+def _expand(name: str, experiment: Experiment) -> Iterator[Run]:
+    """The runs of an experiment, each before those that it is measured against."""
     for block in experiment.sweep:
         keys = [key for key in SWEPT if key in block]
         lists = [_as_list(key, block[key]) for key in keys]
         for values in itertools.product(*lists):
             run = Run(name, experiment, tuple(zip(keys, values, strict=True)))
-            runs.append(run)
-            runs.extend(run.measured_against)
-    return runs
+            yield run
+            yield from run.measured_against
 
 
 def _as_list(key: str, value: Any) -> list[Any]:

@@ -4,9 +4,9 @@ import pytest
 
 import granstudy as gs
 from granstudy.analysis.tables.plan import study_forecasts
-from granstudy.study.estimates import estimate_run
-from granstudy.study.execute import execute
-from granstudy.study.run_key import run_key
+from granstudy.runs.estimates import estimate_run
+from granstudy.runs.execute import execute
+from granstudy.runs.run_key import run_key
 
 STUDY = """
 title: cooling
@@ -25,9 +25,9 @@ experiments:
 def test_runs_are_written_and_opened_together(load, tmp_path):
     runs = load().runs["cooling"]
     assert next(iter(runs)) == "particles~1000/batches~10"
-    assert len({run_key(run) for run in runs.values()}) == 4
+    assert len({run_key(run.computation) for run in runs.values()}) == 4
     for name, run in runs.items():
-        gs.write_dataset(execute(run, threads=1), tmp_path / "runs" / f"{name}.nc")
+        gs.write_dataset(execute(run.computation, threads=1), tmp_path / "runs" / f"{name}.nc")
     runs = gs.unstack_runs(gs.open_runs(tmp_path / "runs"))
     assert dict(runs["temperature"].sizes) == {"particles": 2, "batches": 2, "time": 5}
     error = runs["temperature_standard_error"].isel(time=-1).mean("batches")
@@ -40,15 +40,15 @@ def test_seeds_are_swept(load):
     runs = runs.runs["cooling"]
     assert list(runs) == ["particles~1000/seed~1", "particles~1000/seed~2"]
     assert [run.solver.seed for run in runs.values()] == [1, 2]
-    assert len({run_key(run) for run in runs.values()}) == 2
+    assert len({run_key(run.computation) for run in runs.values()}) == 2
 
 
 def test_collisions_are_counted_before_they_happen(load):
     run = load().run("cooling", "particles~2000/batches~20")
-    ds = execute(run, threads=1)
+    ds = execute(run.computation, threads=1)
     forecast = dict(study_forecasts(load()))["cooling/particles~2000/batches~20"]
     assert forecast.collisions == pytest.approx(2000 / 2 * float(ds["collisions"][-1]), rel=0.1)
-    assert forecast.seconds > 0 and estimate_run(run).cost.seconds > 0
+    assert forecast.seconds > 0 and estimate_run(run.computation).cost.seconds > 0
     assert f"{forecast.collisions:.2g} collisions" in repr(forecast)
 
 

@@ -67,12 +67,14 @@ def test_the_study_asks_for_its_tables_figures_and_map(layout):
     ]
     figures = [f"made/test/figures/cooling.{form}" for form in ("png", "svg")]
     made_of_all = ["made/test/tables/map.nc", "made/test/figures/map.png"]
-    assert layout.wanted == [*tables, *figures, *made_of_all]
+    assert layout.wanted == [*layout.datasets, *tables, *figures, *made_of_all]
     assert layout.map_tables == ["made/test/tables/law.nc"]
 
 
-def test_benchmarks_are_no_jobs(layout):
-    assert [job.experiment for job in layout.jobs] == ["law", "cooling"]
+def test_benchmarks_are_no_runs_of_their_own(layout):
+    assert {member.experiment for member in layout.study.members} == {"law", "cooling"}
+    assert layout.dataset("speed") == "made/test/benchmarks/speed.nc"
+    assert layout.dataset("law") == "made/test/datasets/law.nc"
 
 
 def test_a_benchmark_depends_on_its_runs_their_references_and_its_timing(load):
@@ -94,17 +96,6 @@ def test_the_notebooks_of_shipped_studies_are_there_and_open_runs_of_theirs():
         layout = Layout(load_study(CONFIG / f"{name}.yaml"))
         for notebook, experiments in notebooks.items():
             assert (REPOSITORY / f"workflow/notebooks/{notebook}.ipynb").is_file()
-            files = [file for other in experiments for file in layout.run_files(other)]
+            files = [layout.dataset(other) for other in experiments]
             assert layout.notebook_files(notebook) == files
         assert layout.notebooks == [f"results/{name}/notebooks/{n}.ipynb" for n in notebooks]
-
-
-def test_jobs_that_compute_the_same_run_at_once_keep_their_own_copies():
-    """Tables 7 and 8 share their reference: the first job to end must not remove the other's copy."""
-    layout = Layout(load_study(CONFIG / "quick.yaml"))
-    holders = {}
-    for job in layout.jobs:
-        for key in job.keys:
-            holders.setdefault(key, set()).add(layout.unfinished(job.experiment))
-    shared = [folders for folders in holders.values() if len(folders) > 1]
-    assert shared == [{"results/quick/runs/.unfinished/" + name for name in ("table7", "table8")}]

@@ -4,7 +4,7 @@ import pytest
 
 from granstudy.collision.choice.methods import maker
 from granstudy.collision.fast.adaptive.operator import AdaptiveOperator
-from granstudy.study.estimates import estimate_run
+from granstudy.runs.estimates import estimate_run
 from granstudy.study.run import canonical
 from granstudy.study.study import load_study
 
@@ -44,7 +44,7 @@ def test_runs_have_canonical_paths(load):
         "a%2Fb",
     ]
     run = study.run("cooling", "e~0.8/N~8/M_sph~12/method~fast")
-    estimate = estimate_run(run)
+    estimate = estimate_run(run.computation)
     assert (run.scene.restitution, run.solver.M_sph, estimate.evaluations) == (0.8, 12, 30)
     assert estimate.cost.seconds > 0
 
@@ -64,7 +64,7 @@ def test_a_value_added_to_a_list_adds_runs_and_changes_none(load):
     )
     assert set(before) < set(after)
     for path, run in before.items():
-        assert after[path].parameters() == run.parameters()
+        assert after[path].computation.parameters == run.computation.parameters
 
 
 def test_tolerances_are_swept_in_place_of_sizes(load):
@@ -83,8 +83,12 @@ def test_tolerances_are_swept_in_place_of_sizes(load):
     assert list(runs) == ["e~0.2/N~32/rtol~0.01", "e~0.2/N~32/rtol~0.0001"]
     coarse, fine = runs.values()
     assert (coarse.solver.rtol, maker(coarse.solver)) == (1e-2, AdaptiveOperator)
-    assert 0 < estimate_run(coarse).cost.seconds < estimate_run(fine).cost.seconds
-    assert coarse.parameters() != fine.parameters()
+    assert (
+        0
+        < estimate_run(coarse.computation).cost.seconds
+        < estimate_run(fine.computation).cost.seconds
+    )
+    assert coarse.computation.parameters != fine.computation.parameters
 
 
 def test_a_run_outside_the_study(load):

@@ -1,5 +1,6 @@
 """The workflow, run for real on a tiny study; by `literal`, as nothing of it has to be compiled."""
 
+import json
 import os
 import shutil
 import signal
@@ -31,13 +32,16 @@ experiments:
 """
 
 
-EVERYTHING = {"all", "run_convergence_1", "table", "figure"}
+EVERYTHING = {"all", "run", "complete_convergence", "dataset", "table", "figure"}
+"""Rules that run for a study from nothing; the name of a job of runs ends in a hash over them."""
 
 
 @pytest.fixture
 def project(tmp_path):
     """A copy of what a clone holds, with a tiny study."""
-    for name in ("granstudy", "workflow"):
+    for name in ("granstudy", "workflow", "profiles"):
+        if not (REPOSITORY / name).is_dir():
+            continue
         shutil.copytree(
             REPOSITORY / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__")
         )
@@ -46,10 +50,17 @@ def project(tmp_path):
     return tmp_path
 
 
-def start(project, *arguments):
+def key_of(project, part):
+    """Key of the run whose name has this part."""
+    runs = json.loads((project / "results/tiny/runs/study.json").read_text())["runs"]
+    (key,) = (key for name, key in runs.items() if part in name)
+    return key
+
+
+def start(project, *arguments, study="tiny.yaml"):
     environment = os.environ | {"PYTHONPATH": str(project)}
     command = [sys.executable, "-m", "snakemake", "--cores", "2", *arguments]
-    command += ["--config", "study=tiny.yaml"]
+    command += ["--config", f"study={study}"]
     return subprocess.Popen(
         command,
         cwd=project,
@@ -61,8 +72,8 @@ def start(project, *arguments):
     )
 
 
-def snakemake(project, *arguments, succeeds=True):
-    process = start(project, *arguments)
+def snakemake(project, *arguments, succeeds=True, study="tiny.yaml"):
+    process = start(project, *arguments, study=study)
     output = process.communicate()[0]
     assert (process.returncode == 0) == succeeds, output
     return output
@@ -72,7 +83,8 @@ def planned(project):
     """Jobs that a dry run plans, by rule."""
     lines = snakemake(project, "-n", "--quiet", "rules").splitlines()
     counts = [line.split() for line in lines if len(line.split()) == 2]
-    return {rule for rule, n in counts if n.isdigit() and rule != "total"}
+    rules = {rule for rule, n in counts if n.isdigit() and rule != "total"}
+    return {"run" if rule.startswith("run_") else rule for rule in rules}
 
 
 def written(project):
@@ -112,7 +124,9 @@ def test_a_study_from_nothing_to_figures_and_what_edits_rerun(project):
         "OPERATORS: ",
         "NEW = None\n\nOPERATORS: ",
     )
-    edit(project / "granstudy/study/jobs.py", "JOB_SECONDS = 60.0", "JOB_SECONDS = 61.0")
+    edit(
+        project / "granstudy/study/jobs.py", "LONGEST, SHORTEST = 60.0", "LONGEST, SHORTEST = 61.0"
+    )
     assert planned(project) == set()
     # Plotting: the figure only.
     edit(project / "granstudy/analysis/figures/figure.py", "\n\n\ndef ", "\n\nUNUSED = 1\n\n\ndef ")
@@ -162,9 +176,50 @@ def test_bad_studies_get_one_clear_error_before_any_work(project, old, new, mess
     assert not (project / "results").exists()
 
 
-def test_a_path_outside_the_study_is_refused(project):
-    path = "results/tiny/runs/convergence/e~0.5/N~14/method~literal.nc"
-    assert "MissingRuleException" in snakemake(project, path, succeeds=False)
+def test_a_study_of_another_name_and_a_deleted_or_damaged_run(project):
+    """The store knows a run by what it depends on: nothing is computed twice, nothing damaged stays."""
+    snakemake(project)
+    before = written(project)
+    shutil.move(project / "results/tiny/runs", project / "gone")
+    assert planned(project) == set(), "names are given anew, and no run is computed"
+    assert written(project) == before
+
+    (project / "tiny.yaml").rename(project / "renamed.yaml")
+    (project / "tiny.yaml").symlink_to("renamed.yaml")
+    snakemake(project, study="renamed.yaml")
+    renamed = project / "results/renamed/runs"
+    assert {p.name: p.stat().st_ino for p in renamed.rglob("*.nc")} == {
+        p.name: p.stat().st_ino for p in (project / "results/tiny/runs").rglob("*.nc")
+    }
+
+    (path,) = (project / "results/.runs").rglob(f"{key_of(project, 'N~8')}.nc")
+    path.unlink()
+    assert planned(project) == EVERYTHING
+    snakemake(project)
+    after = written(project)
+    assert [name for name in after if after[name] != before[name]] == [
+        "convergence/e~0.5/N~8/method~literal.nc.json"
+    ]
+
+
+def test_a_study_file_cannot_take_the_results_of_another_one(project):
+    snakemake(project)
+    other = project / "elsewhere"
+    other.mkdir()
+    shutil.copy(project / "tiny.yaml", other)
+    output = snakemake(project, study="elsewhere/tiny.yaml", succeeds=False)
+    assert "holds the results of another study" in output and "Traceback" not in output
+    (project / "tiny.yaml").unlink()
+    snakemake(project, study="elsewhere/tiny.yaml")  # the other file is gone, and with it its claim
+
+
+def test_values_taken_out_of_a_sweep_leave_the_folder_and_stay_in_the_store(project):
+    snakemake(project)
+    edit(project / "tiny.yaml", "N: [8, 10]", "N: [8]")
+    snakemake(project)
+    assert set(written(project)) == {"convergence/e~0.5/N~8/method~literal.nc.json"}
+    edit(project / "tiny.yaml", "N: [8]", "N: [8, 10]")
+    assert planned(project) == EVERYTHING - {"run", "complete_convergence"}
 
 
 def test_a_killed_study_continues_where_it_stopped(project):
@@ -195,4 +250,4 @@ def test_the_plan_of_a_study_is_written_and_computes_no_run(project):
     results = project / "results/tiny"
     assert "convergence/e~0.5/N~10/method~literal" in (results / "plan.md").read_text()
     assert len((results / "plan.csv").read_text().splitlines()) == 3
-    assert not (results / "runs").exists()
+    assert not list((results / "runs").rglob("*.nc"))

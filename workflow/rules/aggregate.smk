@@ -1,7 +1,26 @@
-# Many runs to one labelled table, and tables or runs to figures.
+# All runs of an experiment to one labelled dataset, that to a table, and table or runs to figures.
+rule dataset:
+    input:
+        LAYOUT.complete("{experiment}"),
+    output:
+        f"{RESULTS}/datasets/{{experiment}}.nc",
+    log:
+        f"{RESULTS}/logs/datasets/{{experiment}}.log",
+    conda:
+        "../envs/granstudy.yaml"
+    params:
+        study=STUDY_FILE,
+        results=RESULTS_FOLDER,
+        code=fingerprint(["granstudy.datasets.open_runs"]),
+    message:
+        "dataset {wildcards.experiment}"
+    script:
+        "../scripts/dataset.py"
+
+
 rule table:
     input:
-        runs=lambda wildcards: LAYOUT.run_files(wildcards.experiment),
+        dataset=lambda wildcards: LAYOUT.dataset(wildcards.experiment),
         beside=lambda wildcards: LAYOUT.beside_table(wildcards.experiment),
     output:
         multiext(f"{RESULTS}/tables/{{experiment}}", ".nc", ".csv", ".md"),
@@ -11,6 +30,7 @@ rule table:
         "../envs/granstudy.yaml"
     params:
         study=STUDY_FILE,
+        results=RESULTS_FOLDER,
         request=lambda wildcards: LAYOUT.table_request(wildcards.experiment),
         code=fingerprint(["granstudy.analysis.tables.table"]),
     message:
@@ -23,7 +43,7 @@ rule figure:
     input:
         table=f"{RESULTS}/tables/{{experiment}}.nc",
         beside=lambda wildcards: LAYOUT.beside_figure(wildcards.experiment),
-        runs=lambda wildcards: LAYOUT.run_files(wildcards.experiment),
+        dataset=lambda wildcards: LAYOUT.dataset(wildcards.experiment),
     output:
         multiext(f"{RESULTS}/figures/{{experiment}}", ".png", ".svg"),
     log:
@@ -32,6 +52,7 @@ rule figure:
         "../envs/granstudy.yaml"
     params:
         study=STUDY_FILE,
+        results=RESULTS_FOLDER,
         request=lambda wildcards: LAYOUT.figure_request(wildcards.experiment),
         code=fingerprint(["granstudy.analysis.figures.figure"]),
     message:

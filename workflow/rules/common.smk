@@ -1,28 +1,52 @@
-# The study, loaded and checked once; where its results lie (granstudy/study/layout.py).
+# The study, loaded and checked once; where its results lie (granstudy/study/layout.py); what is left to do.
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 
+from granstudy.study.jobs import Job
 from granstudy.study.layout import Layout
 from granstudy.study.schema.file import MAP
-from granstudy.study.study import load_study
+from granstudy.study.state import check_owner, prepare
+from granstudy.study.study import load_study, read_study
 from granstudy.support.fingerprint import fingerprint
 
 STUDY_FILE = config.get("study", "workflow/config/paper.yaml")
+RESULTS_FOLDER = config.get("results", "results")
 
 try:
-    STUDY = load_study(STUDY_FILE)
-    if (
-        workflow.is_main_process
-    ):  # jobs load this file again, and Matplotlib takes half a second
+    # A job on a cluster loads this file again; the study was checked before.
+    STUDY = (load_study if workflow.is_main_process else read_study)(STUDY_FILE)
+    LAYOUT = Layout(STUDY, RESULTS_FOLDER)
+    if workflow.is_main_process:  # Matplotlib takes half a second
         from granstudy.analysis.vocabulary import check_words
 
         check_words(STUDY.model, STUDY_FILE)
+        check_owner(LAYOUT, STUDY_FILE)
 except ValueError as error:
     raise WorkflowError(str(error)) from None
 
-LAYOUT = Layout(STUDY, config.get("results", "results"))
 RESULTS = LAYOUT.results
+
+# The jobs that are left: each is written to a file, which a job on a cluster finds there.
+if workflow.is_main_process:
+    JOBS = {job.id: job for job in prepare(LAYOUT, STUDY_FILE, workflow.cores)}
+else:
+    JOBS = {
+        path.stem: Job.read(path)
+        for path in LAYOUT.jobs.glob("*.json")
+        if "." not in path.stem and path != LAYOUT.overview
+    }
+
+
+def receipts_by_experiment():
+    """Receipts of the jobs that an experiment waits for, by experiment; of those with runs that are left."""
+    job_of = {key: job.id for job in JOBS.values() for _, _, key in job.runs}
+    waited = {}
+    for member in STUDY.members if workflow.is_main_process else ():
+        if member.key in job_of:
+            receipt = LAYOUT.receipt(job_of[member.key])
+            waited.setdefault(member.experiment, {})[receipt] = None
+    return {name: list(receipts) for name, receipts in waited.items()}
 
 
 # The map's files lie beside those of experiments, none of which has its name.

@@ -1,15 +1,16 @@
-# One NetCDF file a run; cheap runs share a job. The keys hash the solver's code with the run's
-# parameters: Snakemake does not see edits in an imported package. The longest jobs start first.
-for job in LAYOUT.jobs:
+# The runs that are not in the store yet: cheap ones share a job, the longest job starts first. A run is known
+# by its key, a hash over its parameters and the code that computes it: Snakemake does not see edits in an
+# imported package.
+for job in JOBS.values():
 
     rule:
         name:
-            f"run_{job.experiment}_{job.number}"
+            f"run_{job.id}"
         output:
-            [update(LAYOUT.run_file(job.experiment, run.path)) for run in job.runs],
+            receipt=LAYOUT.receipt(job.id),
         log:
-            f"{RESULTS}/logs/{job.experiment}/{job.number}.log",
-        priority: int(job.seconds)
+            f"{RESULTS}/logs/runs/{job.id}.log",
+        priority: int(job.total)
         conda:
             "../envs/granstudy.yaml"
         threads: job.threads
@@ -18,14 +19,33 @@ for job in LAYOUT.jobs:
             runtime=job.minutes,
         params:
             study=STUDY_FILE,
-            experiment=job.experiment,
-            points=[run.path for run in job.runs],
-            run_keys=job.keys,
-            unfinished=LAYOUT.unfinished(job.experiment),
+            results=RESULTS_FOLDER,
+            job=LAYOUT.job_file(job.id),
         message:
-            f"{job.experiment}: {len(job.runs)} runs from {job.runs[0].path}"
+            f"{len(job.runs)} runs from {job.runs[0][0]}/{job.runs[0][1]}"
         script:
             "../scripts/run.py"
+
+
+# Experiments with runs that are left: the file that says that all are there. Of the others it is there already.
+for name, waited in receipts_by_experiment().items():
+
+    rule:
+        name:
+            f"complete_{name}"
+        input:
+            waited,
+        output:
+            LAYOUT.complete(name),
+        log:
+            f"{RESULTS}/logs/runs/{name}.log",
+        localrule: True
+        params:
+            awaited=LAYOUT.awaited(name),
+        message:
+            f"runs of {name}"
+        shell:
+            "cp {params.awaited:q} {output:q} 2> {log:q}"
 
 
 # Alone on the machine: it takes all cores, so that nothing else disturbs its timings.

@@ -1,7 +1,7 @@
 from granstudy.datasets.netcdf import write_dataset
 from granstudy.study.benchmark.benchmark import benchmark
-from granstudy.study.study import load_study
+from granstudy.study.study import read_study
 
-study = load_study(snakemake.params.study)
+study = read_study(snakemake.params.study)
 runs = list(study.runs[snakemake.wildcards.experiment].values())
 write_dataset(benchmark(runs, snakemake.threads), snakemake.output[0])

@@ -1,13 +1,14 @@
 from granstudy.analysis.figures.figure import draw, save_figure
 from granstudy.datasets.netcdf import read_dataset
-from granstudy.study.study import load_study
+from granstudy.study.layout import Layout
+from granstudy.study.study import read_study
 
-study = load_study(snakemake.params.study)
+study = read_study(snakemake.params.study)
 name = snakemake.wildcards.experiment
 figure = draw(
     study.model.experiments[name],
     read_dataset(snakemake.input.table),
-    snakemake.input.runs,
+    Layout(study, snakemake.params.results).run_files(name),
     [read_dataset(table) for table in snakemake.input.beside],
     study.runs[name],
 )

@@ -1,4 +1,4 @@
 from granstudy.analysis.tables.plan import write_plan
-from granstudy.study.study import load_study
+from granstudy.study.study import read_study
 
-write_plan(load_study(snakemake.input.study), *snakemake.output)
+write_plan(read_study(snakemake.input.study), *snakemake.output)

@@ -1,11 +1,8 @@
-from granstudy.study.execute import execute_job
-from granstudy.study.study import load_study
+from granstudy.study.jobs import Job
+from granstudy.study.layout import Layout
+from granstudy.study.study import read_study
+from granstudy.study.work import work
 
-study = load_study(snakemake.params.study)
-execute_job(
-    [study.run(snakemake.params.experiment, point) for point in snakemake.params.points],
-    snakemake.params.run_keys,
-    snakemake.output,
-    snakemake.threads,
-    snakemake.params.unfinished,
-)
+job = Job.read(snakemake.params.job)
+layout = Layout(read_study(snakemake.params.study), snakemake.params.results)
+work(job, layout, snakemake.threads, snakemake.output.receipt)

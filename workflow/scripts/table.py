@@ -1,13 +1,14 @@
 from granstudy.analysis.tables.table import experiment_table, write_table
 from granstudy.datasets.netcdf import read_dataset
-from granstudy.study.study import load_study
+from granstudy.study.layout import Layout
+from granstudy.study.study import read_study
 
-study = load_study(snakemake.params.study)
-runs = study.runs[snakemake.wildcards.experiment]
+study = read_study(snakemake.params.study)
+name = snakemake.wildcards.experiment
 table = experiment_table(
-    study.model.experiments[snakemake.wildcards.experiment],
-    runs,
-    list(snakemake.input.runs),
+    study.model.experiments[name],
+    study.runs[name],
+    Layout(study, snakemake.params.results).run_files(name),
     [read_dataset(table) for table in snakemake.input.beside],
 )
 write_table(table, *snakemake.output)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from granstudy.analysis.tables.markdown import github_table
 from granstudy.evolution.forecast import Forecast, plan
-from granstudy.study.estimates import expected_evaluations, planned_scene
+from granstudy.runs.estimates import expected_evaluations, planned_scene
 from granstudy.study.run import Run
 from granstudy.study.study import Study
 from granstudy.support.files import write_whole
@@ -48,7 +48,8 @@ def forecast(run: Run) -> Forecast:
     solver = replace(run.solver, threads=run.model.threads)
     time = run.time
     if time is None:
-        one, evaluations = plan(planned_scene(run), solver), expected_evaluations(run)
+        one = plan(planned_scene(run.computation), solver)
+        evaluations = expected_evaluations(run.computation)
         further = (evaluations - one.evaluations) * one.seconds_per_evaluation
         return replace(one, evaluations=evaluations, seconds=one.seconds + further)
     return plan(run.scene, solver, time.t_final, time.dt, time.time_rtol, time.scheme)

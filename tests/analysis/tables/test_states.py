@@ -11,8 +11,8 @@ from granstudy.analysis.figures.states import NOT_TRUSTED, UNIT
 from granstudy.analysis.tables.markdown import markdown_table
 from granstudy.analysis.tables.plan import study_forecasts
 from granstudy.analysis.tables.table import csv_table, write_table
-from granstudy.study.estimates import estimate_run
-from granstudy.study.run_key import run_key
+from granstudy.runs.estimates import estimate_run
+from granstudy.runs.run_key import run_key
 from granstudy.trust.flags import Trust
 
 STUDY = """
@@ -154,7 +154,7 @@ def test_what_a_state_will_take(made):
     """The solver of an isotropic state is chosen for it, and its evaluations of Q are counted."""
     study, files = made.study, made.files
     (run,) = study.runs["direct"].values()
-    estimate = estimate_run(run)
+    estimate = estimate_run(run.computation)
     assert estimate.choice.solver.method == "radial"
     chosen = json.loads(gs.read_dataset(files["direct"][0]).attrs["solver"])
     assert chosen["N"] == estimate.choice.solver.N
@@ -167,8 +167,8 @@ def test_what_a_state_will_take(made):
 def test_keys_of_states_are_their_own(made, tmp_path):
     study = made.study
     run = study.run("cooling", "e~0.8")
-    assert json.loads(run.parameters())["run"] == "cooling state"
-    assert run_key(run) != run_key(study.run("cooling", "e~0.6"))
+    assert json.loads(run.computation.parameters)["run"] == "cooling state"
+    assert run_key(run.computation) != run_key(study.run("cooling", "e~0.6").computation)
 
 
 @pytest.mark.parametrize(

@@ -60,7 +60,10 @@ def test_a_truth_is_computed_once_for_each_gas(made):
         "save_every": 9,
     }
     assert (truth.scene.restitution, truth.solver.N, truth.solver.R) == (0.8, 28, 10.0)
-    assert study.run("run", "e~0.8/dt~0.1").truth.parameters() == truth.parameters()
+    assert (
+        study.run("run", "e~0.8/dt~0.1").truth.computation.parameters
+        == truth.computation.parameters
+    )
 
 
 def test_the_law_starts_from_the_density_not_from_the_grid(made):

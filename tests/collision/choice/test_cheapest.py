@@ -7,9 +7,9 @@ import pytest
 from comparison import asymmetric_scene
 
 import granstudy as gs
-from granstudy.study.estimates import estimate_run
-from granstudy.study.execute import execute
-from granstudy.study.run_key import run_key
+from granstudy.runs.estimates import estimate_run
+from granstudy.runs.execute import execute
+from granstudy.runs.run_key import run_key
 
 HARD, MAXWELL = 1.0, 0.0
 
@@ -152,10 +152,10 @@ experiments:
 
 def test_a_study_leaves_the_choice_open(load):
     runs = list(load().runs["cooling"].values())
-    assert len({run_key(run) for run in runs}) == 2
-    ds = execute(runs[0], threads=1)
+    assert len({run_key(run.computation) for run in runs}) == 2
+    ds = execute(runs[0].computation, threads=1)
     assert ds["status"] == 0 and ds["method"] == "radial"
-    assert estimate_run(runs[0]).cost.seconds > 0
+    assert estimate_run(runs[0].computation).cost.seconds > 0
 
     text = (
         STUDY.replace("{method: auto}", "{R: 7.0, N: 32, method: auto}")

@@ -1,8 +1,11 @@
 """What a study file is told of a field that its kind of run does not take."""
 
+from typing import get_args
+
 import pytest
 
-from granstudy.study.kinds import KINDS
+from granstudy.runs.kinds import KINDS
+from granstudy.study.schema.experiment import StateExperiment
 from granstudy.study.schema.mistakes import EXPERIMENTS, taken_by
 
 STUDY = """
@@ -29,7 +32,9 @@ experiments:
 
 
 def test_every_kind_has_its_row():
-    assert list(KINDS) == list(EXPERIMENTS)
+    states = get_args(StateExperiment.model_fields["state"].annotation)
+    named = [name for name in EXPERIMENTS if name != "state"]
+    assert list(KINDS) == [*named, *(f"{state} state" for state in states)]
 
 
 @pytest.mark.parametrize(

@@ -3,11 +3,11 @@
 import pytest
 from studies import code
 
-from granstudy.study.run_key import run_key, run_keys
+from granstudy.runs.run_key import run_key, run_keys
 from granstudy.support.fingerprint import fingerprint
 
 METHODS = ["literal", "direct", "fast", "radial"]
-KINDS = ["evolution", "collision", "state"]
+KINDS = ["evolution", "collision", "cooling state"]
 
 STUDY = """
 title: keys
@@ -23,6 +23,10 @@ experiments:
 """
 
 
+def computations(study):
+    return [run.computation for run in study.runs["fields"].values()]
+
+
 def all_fingerprints():
     return {(kind, method): code(kind, method) for kind in KINDS for method in METHODS}
 
@@ -32,10 +36,10 @@ def changed(before):
 
 
 def test_keys_are_the_same_each_time_and_one_by_one(load):
-    runs = list(load().runs["fields"].values())
+    runs = computations(load())
     keys = run_keys(runs)
     assert keys == run_keys(runs) == [run_key(run) for run in runs]
-    assert keys == run_keys(list(load().runs["fields"].values()))
+    assert keys == run_keys(computations(load()))
     assert len(set(keys)) == len(runs)
 
 
@@ -79,15 +83,17 @@ def test_an_edit_changes_the_runs_it_affects(package, file, old, new, kinds, met
     found = changed(before)
     assert {(kind, method) for kind in kinds for method in methods} <= found
     # states look for the kind of grid themselves
-    assert {method for kind, method in found if kind in kinds or kind != "state"} == set(methods)
+    assert {method for kind, method in found if kind in kinds or kind != "cooling state"} == set(
+        methods
+    )
 
 
 @pytest.mark.parametrize(
     ("file", "old", "new", "kind"),
     [
-        ("study/evaluate.py", '"Q is not finite"', '"Q is infinite"', "collision"),
+        ("runs/evaluate.py", '"Q is not finite"', '"Q is infinite"', "collision"),
         ("evolution/evolve.py", "import ", "import math, ", "evolution"),
-        ("states/newton.py", "DENSE = 256", "DENSE = 200", "state"),
+        ("states/newton.py", "DENSE = 256", "DENSE = 200", "cooling state"),
     ],
 )
 def test_an_edit_of_what_computes_a_kind_changes_that_kind_alone(package, file, old, new, kind):
@@ -112,8 +118,8 @@ def test_an_edit_of_what_computes_a_kind_changes_that_kind_alone(package, file, 
         ),
         ("collision/operator.py", "import ", "import math, "),
         ("evolution/simulate.py", "import ", "import math, "),
-        ("study/kinds.py", "import ", "import math, "),
-        ("study/run_key.py", "import ", "import math, "),
+        ("runs/kinds.py", "import ", "import math, "),
+        ("runs/run_key.py", "import ", "import math, "),
     ],
 )
 def test_what_only_chooses_changes_nothing(package, file, old, new):

@@ -7,25 +7,32 @@ from granstudy.collision.choice.cheapest import choose_method
 from granstudy.collision.choice.grid import fit_solver
 from granstudy.collision.choice.methods import maker
 from granstudy.model.solver import Choice
-from granstudy.study.estimates import chosen
-from granstudy.study.kinds import KINDS
-from granstudy.study.run import Run
+from granstudy.runs.computation import Computation
+from granstudy.runs.estimates import chosen
+from granstudy.runs.kinds import KINDS
+from granstudy.runs.refinement import refined
 from granstudy.support.fingerprint import fingerprint
 
 
-def run_key(run: Run) -> str:
+def run_key(computation: Computation) -> str:
     """Hash over all that a run's numbers depend on: its parameters and the code that computes it."""
-    return run_keys([run])[0]
+    return run_keys([computation])[0]
 
 
-def run_keys(runs: Sequence[Run]) -> list[str]:
+def run_keys(computations: Sequence[Computation]) -> list[str]:
     """`run_key` of each run; code that several runs share is read once."""
-    codes = [code_modules(run.model.run, chosen(run)) for run in runs]
+    codes = [code_of_run(computation) for computation in computations]
     prints = {modules: fingerprint(modules) for modules in set(codes)}
     return [
-        hashlib.sha256(f"{run.parameters()}\n{prints[modules]}".encode()).hexdigest()[:32]
-        for run, modules in zip(runs, codes, strict=True)
+        hashlib.sha256(f"{computation.parameters}\n{prints[modules]}".encode()).hexdigest()[:32]
+        for computation, modules in zip(computations, codes, strict=True)
     ]
+
+
+def code_of_run(computation: Computation) -> tuple[str, ...]:
+    """Modules that a run uses (`code_modules`)."""
+    modules = code_modules(computation.kind, chosen(computation))
+    return modules if computation.refinement is None else (*modules, refined.__module__)
 
 
 def code_modules(kind: str, choice: Choice) -> tuple[str, ...]:

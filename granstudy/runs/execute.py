@@ -1,0 +1,153 @@
+"""Computing runs, each into the store, once."""
+
+import time
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import xarray as xr
+
+from granstudy.datasets.run_dataset import Ending, Header, stamped
+from granstudy.runs.computation import Computation
+from granstudy.runs.estimates import chosen
+from granstudy.runs.kinds import KINDS
+from granstudy.runs.refinement import refined
+from granstudy.runs.run_key import run_key
+from granstudy.runs.store import Store
+from granstudy.trust.flags import Status, Trust, flag_variable, flag_word
+
+CAUSES = (ValueError, ArithmeticError)
+"""Errors that a run's own parameters cause, so that it would fail again (LinAlgError among them). Such a run
+is kept as failed. Any other error (no memory, no space) is the machine's, and nothing is kept."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a run.
+
+    Attributes
+    ----------
+    key : str
+    computed : bool
+        Whether it was computed now; else it was in the store.
+    seconds : float
+        Wall time of the computation; 0 for a run that was there.
+    status : str
+        How the run ended, in a word: ok, failed, diverged.
+    trust : str
+        Its label in a word; "" for a run without one.
+    reason : str
+        Why it ended early; "" where it did not.
+    """
+
+    key: str
+    computed: bool
+    seconds: float
+    status: str
+    trust: str
+    reason: str
+
+    @property
+    def label(self) -> str:
+        """The label of a run that ended well, else ``failed``; "" for a run without a label."""
+        return self.trust if self.status == "ok" else "failed"
+
+
+def execute(computation: Computation, threads: int) -> xr.Dataset:
+    """Compute a run with so many threads, outside of any store.
+
+    A run that ends early is a dataset too, with its status: nothing computed is lost.
+
+    Raises
+    ------
+    ValueError
+        For a benchmark's run: those are computed together (`granstudy.study.benchmark.benchmark`).
+    """
+    compute = KINDS[computation.kind].compute
+    if compute is None:
+        raise ValueError(
+            f"run={computation.kind!r}: all runs of an experiment are computed together"
+        )
+    return compute(computation, replace(computation.solver, threads=threads))
+
+
+def obtain(
+    computation: Computation, key: str, store: Store, threads: int = 1, wait: bool = True
+) -> Outcome | None:
+    """The outcome of a run: out of the store, or computed now and kept there.
+
+    Parameters
+    ----------
+    key : str
+        `granstudy.runs.run_key.run_key` of the run.
+    wait : bool
+        Whether to wait for another process that computes the same run; if not, the answer is then None.
+
+    Raises
+    ------
+    ValueError
+        If the key is another one: what the run depends on changed since the key was taken.
+    """
+    there = store.read(key)
+    if there is not None:
+        return _outcome(key, there, None)
+    with store.claim(key, wait) as mine:
+        if not mine:
+            return None
+        there = store.read(key)  # which may have come while this process waited
+        if there is not None:
+            return _outcome(key, there, None)
+        if run_key(computation) != key:
+            raise ValueError(
+                "the study or the code changed since the work was planned; start it again"
+            )
+        start = time.perf_counter()
+        ds = _computed(computation, store, threads)
+        seconds = time.perf_counter() - start
+        store.write(key, ds, seconds)
+        return _outcome(key, ds, seconds)
+
+
+def _computed(computation: Computation, store: Store, threads: int) -> xr.Dataset:
+    """The run's dataset; of a run whose own parameters make it fail, one that says so."""
+    try:
+        if computation.refinement is not None:
+            return refined(computation, _in_store(store, threads))
+        return execute(computation, threads)
+    except CAUSES as error:
+        traceback.print_exc()
+        return failed_dataset(computation, f"{type(error).__name__}: {error}")
+
+
+def _in_store(store: Store, threads: int) -> Callable[[Computation], xr.Dataset]:
+    """Computation ↦ its dataset, kept in the store."""
+
+    def compute(computation: Computation) -> xr.Dataset:
+        key = run_key(computation)
+        obtain(computation, key, store, threads)
+        ds = store.read(key)
+        assert ds is not None
+        return ds
+
+    return compute
+
+
+def failed_dataset(computation: Computation, reason: str) -> xr.Dataset:
+    """The dataset of a run that failed before it had any numbers: its parameters, status and cause."""
+    choice = chosen(computation)
+    times = {} if computation.time is None else computation.time.coordinates()
+    header = Header.of(computation.kind, computation.scene, choice, times)
+    trust = flag_variable(Trust.UNTRUSTED, "how far to believe T and a2", reasons=reason)
+    ds = stamped(xr.Dataset({"trust": trust}), header, Ending(Status.FAILED, reason))
+    return ds if computation.solver.N is not None else ds.drop_vars(["N", "R"])
+
+
+def _outcome(key: str, ds: xr.Dataset, seconds: float | None) -> Outcome:
+    return Outcome(
+        key=key,
+        computed=seconds is not None,
+        seconds=seconds or 0.0,
+        status=flag_word("status", ds["status"]),
+        trust=flag_word("trust", ds["trust"]) if "trust" in ds else "",
+        reason=str(ds["status"].attrs.get("reason", "")),
+    )

@@ -1,0 +1,102 @@
+"""The kinds of runs, a row each: how a run of the kind is computed, checked and counted."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import xarray as xr
+
+from granstudy.evolution.forecast import expected_evaluations
+from granstudy.evolution.simulate import computed_by, simulate
+from granstudy.model.scene import Scene
+from granstudy.model.solver import SizedSolver, Solver
+from granstudy.runs.computation import Computation
+from granstudy.runs.evaluate import evaluate
+from granstudy.states.solve import (
+    FIND,
+    check_state,
+    cooling_state,
+    gaussian_scene,
+    state_evaluations,
+)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What there is to know of the runs of one kind.
+
+    Attributes
+    ----------
+    code : callable
+        chosen solver ↦ the function that computes such a run; its module is the code that the run uses.
+    compute : callable or None
+        (computation, solver) ↦ the run's dataset; None where all runs of an experiment are computed together.
+    evaluations : callable
+        (computation, chosen solver) ↦ evaluations of Q that the run makes; an estimate where the steps adapt.
+    planned_scene : callable
+        scene ↦ the scene that Q is planned for.
+    check : callable
+        computation ↦ None; raises ValueError for what would stop the run whatever is chosen for it.
+    by_particles : bool
+        Whether particles, which have no collision operator, can do such a run.
+    needs_size : bool
+        Whether N and R must be given.
+    shares_nodes : bool
+        Whether a run and its reference must have the same velocity nodes.
+    """
+
+    code: Callable[[Solver], Callable[..., object]]
+    compute: Callable[[Computation, Solver], xr.Dataset] | None
+    evaluations: Callable[[Computation, SizedSolver], int] = lambda computation, solver: 1
+    planned_scene: Callable[[Scene], Scene] = lambda scene: scene
+    check: Callable[[Computation], None] = lambda computation: None
+    by_particles: bool = False
+    needs_size: bool = False
+    shares_nodes: bool = False
+
+
+def _evolve(computation: Computation, solver: Solver) -> xr.Dataset:
+    assert computation.time_fields is not None
+    return simulate(computation.scene, solver, **computation.time_fields)
+
+
+def _evolution_evaluations(computation: Computation, solver: SizedSolver) -> int:
+    assert computation.time is not None
+    return expected_evaluations(computation.scene, computation.time)
+
+
+def _find(state: str, computation: Computation, solver: Solver) -> xr.Dataset:
+    return FIND[state](computation.scene, solver)
+
+
+def _check_state(state: str, computation: Computation) -> None:
+    check_state(computation.scene, computation.solver, heated=state == "heated")
+
+
+def _state(state: str) -> Kind:
+    return Kind(
+        code=lambda solver: cooling_state,
+        compute=partial(_find, state),
+        evaluations=lambda computation, solver: state_evaluations(solver),
+        planned_scene=gaussian_scene,
+        check=partial(_check_state, state),
+    )
+
+
+KINDS = {
+    "evolution": Kind(
+        code=computed_by,
+        compute=_evolve,
+        evaluations=_evolution_evaluations,
+        by_particles=True,
+    ),
+    "collision": Kind(
+        code=lambda solver: evaluate,
+        compute=lambda computation, solver: evaluate(computation.scene, solver),
+        shares_nodes=True,
+    ),
+    "benchmark": Kind(code=lambda solver: evaluate, compute=None, needs_size=True),
+    "cooling state": _state("cooling"),
+    "heated state": _state("heated"),
+}
+"""The row of each kind, by its name in the parameters of a run."""

@@ -1,0 +1,153 @@
+"""The store: every run once, under its key, whoever asked for it."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import xarray as xr
+from filelock import FileLock, Timeout
+
+from granstudy.datasets.netcdf import read_dataset, write_dataset
+from granstudy.support.files import TEMPORARY_PREFIX
+
+FOLDER = ".runs"
+"""Name of the store's folder beside the results of the studies that share it."""
+
+SIDECAR = ".json"
+"""Ending of the file beside a run's that says when and where it was computed."""
+
+
+@dataclass(frozen=True)
+class Store:
+    """A folder of runs by their keys (`granstudy.runs.run_key.run_key`).
+
+    A key says all that a run's numbers depend on. So a run that is there need never be computed again, for
+    whichever study, sweep or notebook. Processes may write at the same time: a file appears whole or not at
+    all, and `claim` keeps two of them from computing the same run.
+
+    Attributes
+    ----------
+    folder : Path
+    """
+
+    folder: Path
+
+    @classmethod
+    def beside(cls, results: str | Path) -> "Store":
+        """The store that all studies with results in one folder share."""
+        return cls(Path(results) / FOLDER)
+
+    def path(self, key: str) -> Path:
+        """File of the run of that key, there or not."""
+        return self.folder / key[:2] / f"{key}.nc"
+
+    def __contains__(self, key: str) -> bool:
+        return self.path(key).is_file()
+
+    def keys(self) -> set[str]:
+        """Keys of all runs."""
+        found: set[str] = set()
+        for folder in self._shelves():
+            with os.scandir(folder) as files:
+                found.update(
+                    f.name[:-3] for f in files if f.name.endswith(".nc") and f.name[0] != "."
+                )
+        return found
+
+    def _shelves(self) -> list[Path]:
+        if not self.folder.is_dir():
+            return []
+        return [path for path in self.folder.iterdir() if len(path.name) == 2 and path.is_dir()]
+
+    def read(self, key: str) -> xr.Dataset | None:
+        """The run of that key, verified; None where there is none, or where it is damaged.
+
+        A damaged file, or another run's under this name, is removed: the run is then computed anew.
+        """
+        path = self.path(key)
+        try:
+            ds = read_dataset(path)
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError):
+            self.remove(key)
+            return None
+        if ds.attrs.get("run_key") != key:
+            self.remove(key)
+            return None
+        return ds
+
+    def write(self, key: str, ds: xr.Dataset, duration: float) -> None:
+        """Keep a run under its key, whole or not at all; ``duration`` is its wall time in seconds."""
+        write_dataset(ds.assign_attrs(run_key=key), self.path(key), duration=duration)
+
+    def remove(self, key: str) -> None:
+        """Forget a run."""
+        path = self.path(key)
+        for file in (path, sidecar(path)):
+            file.unlink(missing_ok=True)
+
+    @contextmanager
+    def claim(self, key: str, wait: bool) -> Iterator[bool]:
+        """Whether this process alone may compute the run of that key now.
+
+        The claim of a process that dies ends with it.
+
+        Parameters
+        ----------
+        wait : bool
+            Whether to wait for another process that has the claim.
+        """
+        shelf = self.path(key).parent
+        shelf.mkdir(parents=True, exist_ok=True)
+        lock = FileLock(shelf / f".{key}.lock")
+        try:
+            lock.acquire(timeout=-1 if wait else 0)
+        except Timeout:
+            yield False
+            return
+        try:
+            yield True
+        finally:
+            lock.release()
+            with suppress(OSError):
+                Path(lock.lock_file).unlink()
+
+    def sweep(self, age: float, now: float) -> None:
+        """Remove unfinished files of killed processes that are older than ``age`` seconds."""
+        for shelf in self._shelves():
+            for partial in shelf.glob(f"{TEMPORARY_PREFIX}*"):
+                with suppress(OSError):
+                    if now - partial.stat().st_mtime > age:
+                        partial.unlink()
+
+
+def sidecar(path: Path) -> Path:
+    """File beside a run's that says when and where it was computed."""
+    return path.with_name(path.name + SIDECAR)
+
+
+def link(source: Path, target: Path) -> None:
+    """Give a run's file, and the file beside it, another name; a copy where the disk knows no links."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    for one, other in ((sidecar(source), sidecar(target)), (source, target)):
+        if not one.is_file():
+            continue
+        other.unlink(missing_ok=True)
+        try:
+            os.link(one, other)
+        except OSError:
+            shutil.copy2(one, other)
+
+
+def is_link(source: Path, target: Path) -> bool:
+    """Whether ``target`` is another name, or a copy, of the run in ``source``."""
+    try:
+        a, b = os.stat(source), os.stat(target)
+    except OSError:
+        return False
+    same = a.st_ino == b.st_ino and a.st_dev == b.st_dev
+    return same or (a.st_size == b.st_size and a.st_mtime_ns == b.st_mtime_ns)

@@ -1,0 +1,199 @@
+"""How far a study is: its runs that are in the store, and its folder that shows them."""
+
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from granstudy.runs.estimates import estimate_run
+from granstudy.runs.store import is_link, link, sidecar
+from granstudy.study.jobs import Job, jobs
+from granstudy.study.layout import Layout
+from granstudy.study.study import Member
+from granstudy.support.files import write_json
+
+
+@dataclass(frozen=True)
+class State:
+    """The runs of a study against its store.
+
+    Attributes
+    ----------
+    layout : Layout
+    """
+
+    layout: Layout
+
+    @cached_property
+    def there(self) -> set[str]:
+        """Keys of the study's runs that are in the store."""
+        return self.layout.store.keys() & {member.key for member in self.layout.study.members}
+
+    @cached_property
+    def missing(self) -> list[list[Member]]:
+        """Runs that are not in the store; members that are the same run are together."""
+        members: dict[str, list[Member]] = {}
+        for m in self.layout.study.members:
+            if m.key not in self.there:
+                members.setdefault(m.key, []).append(m)
+        return list(members.values())
+
+    @property
+    def seconds(self) -> float:
+        """Estimated time of the missing runs, on one core."""
+        return sum(estimate_run(same[0].run.computation).cost.seconds for same in self.missing)
+
+    def words(self) -> dict[tuple[str, str], str]:
+        """How each run stands, by experiment and path: ``done``, ``missing``, or ``stale``.
+
+        A run is stale where only an older version is there: its parameters or its code changed since.
+        """
+        older = self.older
+        return {
+            (m.experiment, m.path): (
+                "done"
+                if m.key in self.there
+                else "stale"
+                if f"{m.experiment}/{m.path}" in older
+                else "missing"
+            )
+            for m in self.layout.study.members
+        }
+
+    @property
+    def older(self) -> dict[str, str]:
+        """Keys of older versions of runs, by experiment/path, where the store still has them."""
+        before, kept = read_manifest(self.layout.manifest), self.layout.store.keys()
+        found = {}
+        for m in self.layout.study.members:
+            name = f"{m.experiment}/{m.path}"
+            for part in ("runs", "older"):
+                key = before.get(part, {}).get(name, m.key)
+                if key != m.key and key in kept:
+                    found[name] = key
+        return found
+
+
+def read_manifest(path: Path) -> dict[str, Any]:
+    """What a study's folder of runs holds; {} where there is no such file, or a damaged one."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return content if isinstance(content, dict) else {}
+
+
+def check_owner(layout: Layout, file: str | Path) -> None:
+    """Raise ValueError where the results of another study file lie under the study's name.
+
+    A study file that is no longer there has given up its name.
+    """
+    owner = read_manifest(layout.manifest).get("file")
+    own = Path(file).resolve()
+    if owner and Path(owner).is_file() and not own.samefile(owner):
+        raise ValueError(
+            f"{file}: {layout.results} holds the results of another study, {owner}; rename one of the "
+            "two files, or give another folder: --config results=..."
+        )
+
+
+def prepare(layout: Layout, file: str | Path, cores: int | None) -> list[Job]:
+    """Make a study's folder show the study as it is now, and write down the jobs that are left.
+
+    Names of runs that the study no longer has are removed; the runs stay in the store. Runs that are in the
+    store get their names, whoever computed them.
+
+    Parameters
+    ----------
+    file : str or Path
+        The study file.
+    cores : int or None
+        Cores that the jobs share; None where each job gets a machine of its own.
+
+    Returns
+    -------
+    list of Job
+        The longest first.
+    """
+    state = State(layout)
+    _show_runs(state, file)
+    for name in layout.study.model.experiments:
+        if not layout.study.is_timed(name):
+            _show_complete(state, name)
+    left = jobs(state.missing, cores)
+    for job in left:
+        job.write(Path(layout.job_file(job.id)))
+    _forget_jobs(layout, {job.id for job in left})
+    _write_overview(state, left, cores)
+    return left
+
+
+def _show_runs(state: State, file: str | Path) -> None:
+    layout, store = state.layout, state.layout.store
+    before = read_manifest(layout.manifest)
+    runs = {f"{m.experiment}/{m.path}": m.key for m in layout.study.members}
+    for name, key in before.get("runs", {}).items():
+        path = Path(layout.runs) / f"{name}.nc"
+        if runs.get(name) != key and path.exists():
+            path.unlink()
+            sidecar(path).unlink(missing_ok=True)
+            _remove_empty(path.parent, Path(layout.runs))
+    for m in layout.study.members:
+        if m.key in state.there:
+            target = Path(layout.run_file(m.experiment, m.path))
+            if not is_link(store.path(m.key), target):
+                link(store.path(m.key), target)
+    content = {
+        "study": layout.study.name,
+        "file": str(Path(file).resolve()),
+        "runs": runs,
+        "older": state.older,
+    }
+    if content != before:
+        write_json(layout.manifest, content)
+
+
+def _remove_empty(folder: Path, top: Path) -> None:
+    """Remove folders that are empty now, up to ``top``."""
+    while folder != top and not any(folder.iterdir()):
+        folder.rmdir()
+        folder = folder.parent
+
+
+def _show_complete(state: State, name: str) -> None:
+    """Write an experiment's keys down: as complete where all its runs are there, else for later."""
+    keys = {m.path: m.key for m in state.layout.study.members if m.experiment == name}
+    path = Path(state.layout.complete(name))
+    if not all(key in state.there for key in keys.values()):
+        path.unlink(missing_ok=True)
+        write_json(Path(state.layout.awaited(name)), keys)
+    elif read_manifest(path) != keys:
+        write_json(path, keys)
+
+
+def _forget_jobs(layout: Layout, left: Iterable[str]) -> None:
+    """Remove the files of jobs whose runs are all in the store."""
+    store, keep = layout.store.keys(), set(left)
+    for receipt in layout.jobs.glob("*.done"):
+        name = receipt.stem
+        job = Path(layout.job_file(name))
+        done = not job.is_file() or all(key in store for _, _, key in Job.read(job).runs)
+        if name not in keep and done:
+            for file in layout.jobs.glob(f"{name}.*"):
+                file.unlink(missing_ok=True)
+
+
+def _write_overview(state: State, left: list[Job], cores: int | None) -> None:
+    layout = state.layout
+    content = {
+        "study": layout.study.name,
+        "results": layout.results,
+        "runs": len({m.key for m in layout.study.members}),
+        "done": len(state.there),
+        "seconds": sum(job.total for job in left),
+        "cores": cores,
+        "jobs": [job.id for job in left],
+    }
+    write_json(layout.overview, content)
