@@ -88,6 +88,39 @@ def obtain(
     ValueError
         If the key is another one: what the run depends on changed since the key was taken.
     """
+
+    def make() -> xr.Dataset:
+        if run_key(computation) != key:
+            raise ChangedError("the study or the code changed since the work was planned; start it again")
+        if computation.refinement is not None:
+            return refined(computation, _in_store(store, threads))
+        return execute(computation, threads)
+
+    return keep(key, store, make, lambda reason: failed_dataset(computation, reason), wait)
+
+
+class ChangedError(ValueError):
+    """What a run depends on changed since its key was taken."""
+
+
+def keep(
+    key: str,
+    store: Store,
+    make: Callable[[], xr.Dataset],
+    failed: Callable[[str], xr.Dataset],
+    wait: bool = True,
+) -> Outcome | None:
+    """The outcome of a dataset under its key: out of the store, or made now and kept there.
+
+    Parameters
+    ----------
+    make : callable
+        Makes the dataset.
+    failed : callable
+        Reason ↦ the dataset that stands for one that cannot be made (`CAUSES`).
+    wait : bool
+        Whether to wait for another process that makes the same dataset; if not, the answer is then None.
+    """
     there = store.read(key)
     if there is not None:
         return _outcome(key, there, None)
@@ -97,26 +130,17 @@ def obtain(
         there = store.read(key)  # which may have come while this process waited
         if there is not None:
             return _outcome(key, there, None)
-        if run_key(computation) != key:
-            raise ValueError(
-                "the study or the code changed since the work was planned; start it again"
-            )
         start = time.perf_counter()
-        ds = _computed(computation, store, threads)
+        try:
+            ds = make()
+        except ChangedError:
+            raise
+        except CAUSES as error:
+            traceback.print_exc()
+            ds = failed(f"{type(error).__name__}: {error}")
         seconds = time.perf_counter() - start
         store.write(key, ds, seconds)
         return _outcome(key, ds, seconds)
-
-
-def _computed(computation: Computation, store: Store, threads: int) -> xr.Dataset:
-    """The run's dataset; of a run whose own parameters make it fail, one that says so."""
-    try:
-        if computation.refinement is not None:
-            return refined(computation, _in_store(store, threads))
-        return execute(computation, threads)
-    except CAUSES as error:
-        traceback.print_exc()
-        return failed_dataset(computation, f"{type(error).__name__}: {error}")
 
 
 def _in_store(store: Store, threads: int) -> Callable[[Computation], xr.Dataset]:
@@ -147,7 +171,7 @@ def _outcome(key: str, ds: xr.Dataset, seconds: float | None) -> Outcome:
         key=key,
         computed=seconds is not None,
         seconds=seconds or 0.0,
-        status=flag_word("status", ds["status"]),
+        status=flag_word("status", ds["status"]) if "status" in ds else "ok",
         trust=flag_word("trust", ds["trust"]) if "trust" in ds else "",
-        reason=str(ds["status"].attrs.get("reason", "")),
+        reason=str(ds["status"].attrs.get("reason", "")) if "status" in ds else "",
     )

@@ -137,9 +137,9 @@ def test_a_study_from_nothing_to_figures_and_what_edits_rerun(project):
     )
     assert planned(project) == {"all", "figure"}
     # The one they use: everything.
+    before = written(project)
     edit(project / "granstudy/collision/literal.py", "BATCH = 2**15", "BATCH = 2**14")
     assert planned(project) == EVERYTHING
-    before = written(project)
     snakemake(project)
     after = written(project)
     assert after.keys() == before.keys() and all(after[name] > before[name] for name in after)

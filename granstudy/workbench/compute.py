@@ -1,0 +1,159 @@
+"""Many runs computed here, or by the workers of a Dask cluster, each into the store."""
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from distributed import Client, LocalCluster, as_completed, get_client
+from tqdm.auto import tqdm
+
+from granstudy.runs.execute import Outcome
+from granstudy.runs.store import Store
+from granstudy.workbench.tasks import Task, perform
+
+HERE = 3.0
+"""Seconds of estimated work that is done in this process: starting others would take as long."""
+
+BATCH = 5.0
+"""Seconds of estimated work that a worker gets at once."""
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A point that could not be computed, for a cause that is not its own (no memory, no space)."""
+
+    key: str
+    cause: str
+
+
+def compute(
+    tasks: Sequence[Task],
+    store: Store,
+    *,
+    client: Client | None = None,
+    workers: int | None = None,
+    progress: bool | None = None,
+) -> dict[str, Outcome | Failure]:
+    """Compute what the store does not have yet.
+
+    Parameters
+    ----------
+    tasks : sequence of Task
+    store : Store
+    client : distributed.Client, optional
+        Cluster whose workers compute, which must see the store's folder. Default: the client of this process,
+        if it has one; else work of seconds is done here, and more by a local cluster.
+    workers : int, optional
+        Processes of the local cluster; by default as many as this process has cores. 1 computes here.
+    progress : bool, optional
+        Show a bar with the time left. Default: where a person watches.
+
+    Returns
+    -------
+    dict
+        Key ↦ what became of the run.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        If a person stops it. All runs that were done by then are in the store.
+    """
+    there = store.keys()
+    left = list({task.key: task for task in tasks if task.key not in there}.values())
+    found: dict[str, Outcome | Failure] = {}
+    if not left:
+        return found
+    seconds = sum(task.seconds for task in left)
+    hidden = None if progress is None else not progress
+    with tqdm(total=seconds, disable=hidden, bar_format=BAR, unit="s") as bar:
+        bar.set_postfix_str(f"0 of {len(left)} runs")
+        try:
+            with _cluster(client, workers, seconds, len(left)) as cluster:
+                for task, result in _results(left, store, cluster):
+                    found[task.key] = result
+                    bar.update(min(task.seconds, seconds - bar.n))
+                    bar.set_postfix_str(f"{len(found)} of {len(left)} runs")
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(
+                f"stopped: {len(found)} of {len(left)} runs are done and kept; the same call goes on"
+            ) from None
+    return found
+
+
+BAR = "{l_bar}{bar}| {postfix}, about {remaining} left"
+"""The bar moves by estimated seconds, so that the time left is right where runs differ in cost."""
+
+
+@contextmanager
+def _cluster(
+    client: Client | None, workers: int | None, seconds: float, runs: int
+) -> Iterator[Client | None]:
+    """The client that computes; None where this process does."""
+    if client is None:
+        try:
+            client = get_client()
+        except ValueError:
+            client = None
+    if client is not None:
+        with nullcontext():
+            yield client
+        return
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    count = min(workers or cores or 1, runs)
+    if count == 1 or (workers is None and seconds < HERE):
+        yield None
+        return
+    with (
+        LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None) as cluster,
+        Client(cluster) as made,
+    ):
+        yield made
+
+
+def _results(
+    tasks: Sequence[Task], store: Store, client: Client | None
+) -> Iterator[tuple[Task, Outcome | Failure]]:
+    """What becomes of each task, as it is done."""
+    if client is None:
+        for task in tasks:
+            yield task, _outcome(task.key, perform(task, store.folder))
+        return
+    futures = {
+        client.submit(_perform_all, batch, store.folder, pure=False): batch
+        for batch in _batches(tasks)
+    }
+    try:
+        for future in as_completed(list(futures)):
+            batch = futures[future]
+            if future.status == "finished":
+                answers: list[Any] = future.result()
+            else:
+                answers = [repr(future.exception())] * len(batch)
+            for task, answer in zip(batch, answers, strict=True):
+                yield task, _outcome(task.key, answer)
+    finally:
+        client.cancel(list(futures))
+
+
+def _batches(tasks: Sequence[Task]) -> list[list[Task]]:
+    """Tasks in groups of some seconds, the longest task first."""
+    batches: list[list[Task]] = []
+    seconds = BATCH
+    for task in sorted(tasks, key=lambda task: -task.seconds):
+        if seconds >= BATCH:
+            batches.append([])
+            seconds = 0.0
+        batches[-1].append(task)
+        seconds += task.seconds
+    return batches
+
+
+def _perform_all(tasks: Sequence[Task], folder: Path) -> list[Outcome | str]:
+    return [perform(task, folder) for task in tasks]
+
+
+def _outcome(key: str, answer: Outcome | str) -> Outcome | Failure:
+    return Failure(key, answer) if isinstance(answer, str) else answer
