@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from granstudy.support.checks import plain
 from granstudy.support.own_code.installed import is_installed
-from granstudy.support.own_code.values import plain, simple_content
+from granstudy.support.own_code.values import simple_content
 
 SHOWN = 1000
 """Elements up to which an array stands in the text."""
@@ -61,9 +62,9 @@ class Definitions:
 
     def close(self, function: Any) -> None:
         """The function that all of this is reached from; a lambda gets a name here."""
+        while isinstance(function, partial):
+            function = function.func
         if id(function) in self._lambdas:
-            self.bind("function", function)
-        if isinstance(function, partial):
             self.bind("function", function)
 
     def _put(self, name: str, text: str) -> None:
@@ -72,6 +73,8 @@ class Definitions:
         self._entries[name] = text
 
     def _literal(self, value: Any) -> str:
+        """A value as Python writes it, dots where it cannot be written."""
+        value = getattr(value, "own_function", value)
         if isinstance(value, partial):
             bound = "".join(
                 f", {key}={self._literal(each)}" for key, each in value.keywords.items()

@@ -13,18 +13,13 @@ from typing import Any
 
 import numpy as np
 
+from granstudy.support.checks import plain
+
 SIMPLE = (type(None), EllipsisType, str, bytes, Number, Decimal, range, slice, np.dtype)
 """Types whose ``repr`` says all of a value."""
 
 SHOWN = 32
 """Elements up to which an array is shown whole."""
-
-
-def plain(value: Any) -> Any:
-    """The number of Python for one of NumPy, 0.0 for −0.0; anything else as it is."""
-    if isinstance(value, np.generic):
-        value = value.item()
-    return 0.0 if isinstance(value, float) and value == 0.0 else value
 
 
 def canonical(value: Any) -> Any:
