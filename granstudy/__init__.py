@@ -15,8 +15,9 @@ with paused_collection():
     from granstudy.evolution.simulate import simulate
     from granstudy.evolution.stability import stability_limit
     from granstudy.model.kernel import VHS, hard_spheres, maxwell
+    from granstudy.model.load_scene import load_scene
     from granstudy.model.restitution import Viscoelastic
-    from granstudy.model.scene import Scene, load_scene
+    from granstudy.model.scene import Scene
     from granstudy.model.solver import Choice, Solver
     from granstudy.states.solve import cooling_state, heated_state
     from granstudy.velocity.cartesian import VelocityGrid

@@ -22,6 +22,8 @@ from granstudy.collision.weights import (
     RestitutionLaw,
     SphereMean,
     alpha,
+    largest_phase,
+    law_values,
     loss_weight,
     mean_phase,
     radial_measure,
@@ -147,7 +149,6 @@ class GainSeries:
         radial: Rule,
         measure: np.ndarray,
     ) -> None:
-        self.restitution = restitution
         self.dim = grid.dim
         self.unit = np.pi / grid.L
         self.radial = radial
@@ -170,6 +171,18 @@ class GainSeries:
             self.mu, w = np.polynomial.legendre.leggauss(count)
             basis = eval_legendre(self.degrees[:, None], self.mu)
             self.project = basis * (self.degrees[:, None] + 0.5) * w
+        # The law is asked here and not at each call: it may have changed by then.
+        self.laws = {
+            int(k2): law_values(
+                restitution, grid.dim, radial.points[:, None], largest_phase(*self._parts(int(k2)))
+            )
+            for k2 in m2
+        }
+
+    def _parts(self, k2: int) -> tuple[np.ndarray, np.ndarray]:
+        """K∥ and K⊥ at all radii and angles, for one |k|²."""
+        scaled = self.radial.points[:, None] * (self.unit * np.sqrt(float(k2)))
+        return scaled * self.mu, scaled * np.sqrt(np.maximum(1 - self.mu**2, 0.0))
 
     def sum(
         self,
@@ -181,10 +194,8 @@ class GainSeries:
         Q_hat: np.ndarray,
     ) -> None:
         """Fill Q̂ at the modes of ``group``, which share one |k|."""
-        k = self.unit * np.sqrt(float(np.square(modes[group[0]]).sum()))
-        rho = self.radial.points[:, None]
-        across = np.sqrt(np.maximum(1 - self.mu**2, 0.0))
-        phase = mean_phase(self.restitution, self.dim, rho, rho * k * self.mu, rho * k * across)
+        k2 = int(np.square(modes[group[0]]).sum())
+        phase = mean_phase(self.laws[k2], self.dim, *self._parts(k2))
         a = phase @ self.project.T * (-1j) ** self.degrees  # (shells, degrees)
         series = np.einsum("s,sl,msl->ml", self.measure, a, self.bessel).real.copy()
         _sum_series(modes, group, f_hat, loss, circular, self.dim, series, self.place, Q_hat)

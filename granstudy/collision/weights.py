@@ -46,12 +46,27 @@ def loss_weight(
     return sphere_area(grid.dim) * (means @ measure)[place].reshape(place.shape)
 
 
+def law_values(
+    restitution: RestitutionLaw, dim: int, rho: np.ndarray | float, largest: float
+) -> np.ndarray:
+    r"""Restitution at the impacts that `mean_phase` adds up, shape (deflections, \*rho.shape).
+
+    Parameters
+    ----------
+    largest : float
+        Largest |K| (`largest_phase`).
+    """
+    u, _ = deflections(dim, largest)
+    return np.array([np.asarray(restitution(rho * ui), dtype=float) for ui in u])
+
+
+def largest_phase(parallel: np.ndarray, transverse: np.ndarray) -> float:
+    """Largest |K| of the parts of K."""
+    return float(np.max(np.hypot(parallel, transverse)))
+
+
 def mean_phase(
-    restitution: RestitutionLaw,
-    dim: int,
-    rho: np.ndarray | float,
-    parallel: np.ndarray,
-    transverse: np.ndarray,
+    values: np.ndarray, dim: int, parallel: np.ndarray, transverse: np.ndarray
 ) -> np.ndarray:
     """Mean over σ of e^{iα K·(ĝ−σ)} for K = πρk/L, given by its parts along ĝ and across.
 
@@ -60,16 +75,16 @@ def mean_phase(
 
     Parameters
     ----------
-    rho : float or ndarray
-        Radii ρ, which broadcast with ``parallel`` and ``transverse``.
+    values : ndarray
+        Restitution at the impacts (`law_values`); those of one deflection broadcast with ``parallel``.
     parallel, transverse : ndarray
         K∥ and K⊥. The result has their common shape.
     """
-    u, weights = deflections(dim, float(np.max(np.hypot(parallel, transverse))))
+    u, weights = deflections(dim, largest_phase(parallel, transverse))
     ring_mean = np.cos if dim == 2 else j0
     total = np.zeros(np.broadcast_shapes(parallel.shape, transverse.shape), dtype=np.complex128)
-    for ui, wi in zip(u, weights, strict=True):
-        doubled = 2 * ui * alpha(np.asarray(restitution(rho * ui), dtype=float))
+    for e, ui, wi in zip(values, u, weights, strict=True):
+        doubled = 2 * ui * alpha(e)
         across = ring_mean(doubled * np.sqrt(1 - ui**2) * transverse)
         total += wi * np.exp(1j * doubled * ui * parallel) * across
     return total
@@ -83,7 +98,9 @@ def mean_gain(
     k = np.meshgrid(*(grid.wavenumbers,) * grid.dim, indexing="ij", sparse=True)
     parallel = sum(ki * gi for ki, gi in zip(k, direction, strict=True))
     transverse = np.sqrt(np.maximum(grid.wavenumber_squared() - parallel**2, 0.0))
-    return mean_phase(restitution, grid.dim, rho, scale * parallel, scale * transverse)
+    K = scale * parallel, scale * transverse
+    values = law_values(restitution, grid.dim, rho, largest_phase(*K))
+    return mean_phase(values, grid.dim, *K)
 
 
 def pair_series(
@@ -101,25 +118,41 @@ def pair_series(
     k : ndarray, shape (n,)
         Magnitudes π|k|/L.
     """
-    # A series takes seconds to make, and planning a quadrature asks for few different ones.
-    return _pair_series(restitution, dim, tuple(map(float, radii)), tuple(map(float, k))).copy()
+    values = [
+        law_values(restitution, dim, radii[:, None], largest_phase(*_parts(radii, k, magnitude)))
+        for magnitude in k
+    ]
+    # A series takes seconds to make, and planning a quadrature asks for few different ones. Its name is what
+    # the law gives: a law that changes has other values.
+    contents = tuple(array.tobytes() for array in values)
+    return _pair_series(contents, dim, tuple(map(float, radii)), tuple(map(float, k))).copy()
 
 
 @lru_cache(maxsize=8)
 def _pair_series(
-    restitution: RestitutionLaw, dim: int, all_radii: tuple[float, ...], all_k: tuple[float, ...]
+    contents: tuple[bytes, ...], dim: int, all_radii: tuple[float, ...], all_k: tuple[float, ...]
 ) -> np.ndarray:
     radii, k = np.array(all_radii), np.array(all_k)
-    count = 12 + int(0.3 * np.max(radii) * np.max(k))
-    theta = np.pi * (np.arange(count) + 0.5) / count
-    mu = np.sqrt((1 + np.cos(theta)) / 2)
-    rho = radii[:, None]
-    samples = np.empty((len(radii), len(k), count))
+    theta = _angles(radii, k)
+    samples = np.empty((len(radii), len(k), len(theta)))
     for i, magnitude in enumerate(k):
-        parallel = rho * magnitude * mu
-        transverse = rho * magnitude * np.sqrt(1 - mu**2)
-        phase = mean_phase(restitution, dim, rho, parallel, transverse)
+        parallel, transverse = _parts(radii, k, magnitude)
+        values = np.frombuffer(contents[i]).reshape(-1, len(radii), 1)
+        phase = mean_phase(values, dim, parallel, transverse)
         samples[:, i] = (phase * np.exp(-0.5j * parallel)).real
-    n = np.arange(count)
-    project = np.cos(np.outer(theta, n)) * np.where(n == 0, 1.0, 2.0) / count
+    n = np.arange(len(theta))
+    project = np.cos(np.outer(theta, n)) * np.where(n == 0, 1.0, 2.0) / len(theta)
     return samples @ project
+
+
+def _angles(radii: np.ndarray, k: np.ndarray) -> np.ndarray:
+    """Angles of the Chebyshev points of a series."""
+    count = 12 + int(0.3 * np.max(radii) * np.max(k))
+    return np.pi * (np.arange(count) + 0.5) / count
+
+
+def _parts(radii: np.ndarray, k: np.ndarray, magnitude: float) -> tuple[np.ndarray, np.ndarray]:
+    """K∥ and K⊥ at the Chebyshev points, for one |k|."""
+    mu = np.sqrt((1 + np.cos(_angles(radii, k))) / 2)
+    rho = radii[:, None]
+    return rho * magnitude * mu, rho * magnitude * np.sqrt(1 - mu**2)

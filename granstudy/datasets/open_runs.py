@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from granstudy.datasets.parameters import ABSENT
+from granstudy.datasets.parameters import ABSENT, parameter
 from granstudy.support.errors import unknown_name
 from granstudy.support.variables import attributes
 from granstudy.trust.flags import Status
@@ -182,7 +182,12 @@ def _labelled(ds: xr.Dataset) -> xr.Dataset:
     scalars = {name: c.values for name, c in ds.coords.items() if c.ndim == 0}
     scalars |= {name: np.array(v) for name, v in ABSENT.items() if name not in scalars}
     ds = ds.assign(texts).drop_vars(list(scalars), errors="ignore").expand_dims("run")
-    return ds.assign_coords({name: ("run", value[np.newaxis]) for name, value in scalars.items()})
+    return ds.assign_coords(
+        {
+            name: ("run", value[np.newaxis], parameter(str(name)).attributes)
+            for name, value in scalars.items()
+        }
+    )
 
 
 def _without_densities(ds: xr.Dataset) -> xr.Dataset:

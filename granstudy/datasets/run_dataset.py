@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from granstudy.datasets.parameters import parameter
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Choice, Solver
 from granstudy.support.variables import labelled
@@ -168,7 +169,10 @@ def stamped(
         reason=ending.reason,
         warnings="\n".join(ending.warnings),
     )
-    ds = ds.assign_coords(header.coordinates())
+    coordinates = header.coordinates()
+    ds = ds.assign_coords(
+        {name: ((), value, parameter(name).attributes) for name, value in coordinates.items()}
+    )
     ds.attrs = {
         "title": f"granstudy {header.title}",
         "Conventions": CONVENTIONS,
@@ -178,6 +182,8 @@ def stamped(
         "versions": json.dumps({name: version(name) for name in LIBRARIES}, sort_keys=True),
         "git_commit": git_commit(),
     }
+    if source := header.scene.source:
+        ds.attrs["source"] = source
     if plans:
         ds.attrs["quadrature"] = json.dumps(list(plans), sort_keys=True)
     return ds.assign_attrs(header.attributes)

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.special import gamma
 
 from granstudy.model.stated_moments import StatedMoments, isotropic, of_gaussians
-from granstudy.support.checks import check_positive
+from granstudy.support.checks import check_positive, is_real, plain
 from granstudy.support.errors import unknown_name
 from granstudy.velocity.symmetry import Symmetry, stabiliser
 
@@ -148,11 +148,14 @@ class Maxwellian:
     velocity: tuple[float, ...] | None = parameter(None, "bulk velocity u, default 0")
 
     def __post_init__(self) -> None:
-        check_positive("temperature", self.temperature)
-        velocity = (0.0,) * self.dim if self.velocity is None else tuple(self.velocity)
-        if len(velocity) != self.dim or not np.all(np.isfinite(velocity)):
+        set_positive(self, "temperature")
+        velocity = (0.0,) * self.dim if self.velocity is None else self.velocity
+        components = tuple(velocity) if np.iterable(velocity) else ()
+        if len(components) != self.dim or not all(
+            is_real(u) and np.isfinite(u) for u in components
+        ):
             raise ValueError(f"velocity={self.velocity!r}: must be {self.dim} finite numbers")
-        object.__setattr__(self, "velocity", velocity)
+        object.__setattr__(self, "velocity", tuple(float(plain(u)) for u in components))
 
     @property
     def symmetry(self) -> Symmetry:
@@ -185,7 +188,7 @@ class UniformBall:
     symmetry: ClassVar[str] = "full"
 
     def __post_init__(self) -> None:
-        check_positive("temperature", self.temperature)
+        set_positive(self, "temperature")
 
     @property
     def radius(self) -> float:
@@ -218,11 +221,12 @@ class PowerLaw:
     symmetry: ClassVar[str] = "full"
 
     def __post_init__(self) -> None:
-        check_positive("temperature", self.temperature)
-        if not (np.isfinite(self.tail) and self.tail > self.dim + 4):
+        set_positive(self, "temperature")
+        if not (is_real(self.tail) and np.isfinite(self.tail) and self.tail > self.dim + 4):
             raise ValueError(
                 f"tail={self.tail!r}: must be a number above {self.dim + 4}, for a finite fourth moment"
             )
+        object.__setattr__(self, "tail", float(self.tail))
 
     @property
     def moments(self) -> StatedMoments:
@@ -250,7 +254,7 @@ class TwoBeams:
 
     def __post_init__(self) -> None:
         for field in ("separation", "temperature"):
-            check_positive(field, getattr(self, field))
+            set_positive(self, field)
 
     @property
     def _centre(self) -> tuple[float, ...]:
@@ -311,6 +315,13 @@ def density_parameters(name: str) -> tuple[dataclasses.Field[Any], ...]:
     density = made.func if isinstance(made, partial) else made
     fields = dataclasses.fields(density) if dataclasses.is_dataclass(density) else ()
     return tuple(field for field in fields if field.name != "dim")
+
+
+def set_positive(density: NamedDensity, field: str) -> None:
+    """Check that a field is a positive number, and keep it as one of Python."""
+    value = getattr(density, field)
+    check_positive(field, value)
+    object.__setattr__(density, field, float(value))
 
 
 def _squared(v: Sequence[np.ndarray], centre: Sequence[float]) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from granstudy.support.checks import check_positive
+from granstudy.support.checks import check_positive, is_real, plain
 from granstudy.velocity.sphere import sphere_area
 
 
@@ -27,9 +27,11 @@ class VHS:
     strength: float
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.exponent <= 1.0:
-            raise ValueError(f"exponent={self.exponent!r}: must lie between 0 and 1")
+        if not (is_real(self.exponent) and 0.0 <= self.exponent <= 1.0):
+            raise ValueError(f"exponent={self.exponent!r}: must be a number between 0 and 1")
         check_positive("strength", self.strength)
+        for field in ("exponent", "strength"):
+            object.__setattr__(self, field, float(plain(getattr(self, field))))
 
 
 def maxwell(dim: int) -> VHS:

@@ -1,11 +1,13 @@
 """Restitution e of a collision: a constant, or a law of the normal impact speed |g·ω|."""
 
+import dataclasses
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from granstudy.support.checks import is_real
+from granstudy.support.checks import is_real, plain
 
 Restitution = float | Callable[[np.ndarray], np.ndarray]
 """A constant 0 ≤ e ≤ 1, or a function of the normal impact speed |g·ω| (the paper's Remark 2)."""
@@ -36,13 +38,23 @@ class Viscoelastic:
     A: float
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.A) and self.A >= 0.0):
+        if not (is_real(self.A) and 0.0 <= self.A < math.inf):
             raise ValueError(f"A={self.A!r}: must be a non-negative number")
+        object.__setattr__(self, "A", float(plain(self.A)))
 
     def __call__(self, impact_speed: np.ndarray) -> np.ndarray:
         """Restitution at the normal impact speeds."""
         s = C1 * self.A * np.asarray(impact_speed) ** 0.2
         return 1.0 - s + 0.6 * s**2
+
+
+LAWS: dict[str, type[Viscoelastic]] = {"viscoelastic": Viscoelastic}
+"""Restitution laws by name; a new law is a new row."""
+
+
+def law_parameters(name: str) -> list[str]:
+    """Names of the parameters of a named law."""
+    return [field.name for field in dataclasses.fields(LAWS[name])]
 
 
 @dataclass(frozen=True)

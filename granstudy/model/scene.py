@@ -8,15 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from granstudy.model.densities import density_parameters, named_density
-from granstudy.model.kernel import VHS, maxwell
+from granstudy.model import identity
+from granstudy.model.densities import named_density
+from granstudy.model.kernel import VHS
 from granstudy.model.restitution import Restitution, check_restitution
 from granstudy.model.stated_moments import StatedMoments
-from granstudy.support.checks import is_real
-from granstudy.support.errors import unknown_name
+from granstudy.support.checks import is_real, plain
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.space import VelocitySpace, check_dim, check_shape
 from granstudy.velocity.symmetry import Symmetry
+
+FUTURE = "from __future__ import annotations\n\n"
+"""Head of a source: it runs without the types that annotations name."""
 
 
 @dataclass(frozen=True, init=False)
@@ -64,12 +67,16 @@ class Scene:
         diffusion: float = 0.0,
         symmetry: Symmetry | str | None = None,
     ) -> None:
+        dim = plain(dim)
         check_dim(dim)
         if not isinstance(kernel, VHS):
             raise ValueError(f"kernel={kernel!r}: must be a granstudy.VHS")
         check_restitution(restitution)
         if not (is_real(diffusion) and 0.0 <= diffusion < math.inf):
             raise ValueError(f"diffusion={diffusion!r}: must be a number of at least 0")
+        diffusion = float(plain(diffusion))
+        if not callable(restitution):
+            restitution = float(plain(restitution))
         density = initial if callable(initial) else named_density(initial)()
         own_dim = getattr(density, "dim", dim)
         if own_dim != dim:
@@ -78,6 +85,10 @@ class Scene:
         for name, value in (fields | {"diffusion": diffusion}).items():
             object.__setattr__(self, name, value)
         object.__setattr__(self, "symmetry", self._group(symmetry))
+
+    def __hash__(self) -> int:
+        # Without density and law, which need not be hashable; == compares them.
+        return hash((self.dim, self.kernel, self.diffusion, self.symmetry.name))
 
     def _group(self, declared: Symmetry | str | None) -> Symmetry:
         """The group of the declared symmetry, or of the density's own."""
@@ -112,23 +123,68 @@ class Scene:
         return f
 
     def coordinates(self) -> dict[str, Any]:
-        """The scene's parameters that a study sweeps, by name (`granstudy.datasets.parameters`)."""
-        e = self.restitution
-        law = {"restitution": repr(e)} if callable(e) else {"e": float(e)}
-        return {**law, "exponent": self.kernel.exponent, "epsilon": float(self.diffusion)}
+        """The scene's parameters by name, the density's and the law's own arguments among them.
+
+        Names are those of `granstudy.datasets.parameters`. Values are numbers; vectors are texts.
+        """
+        law = self.restitution
+        if callable(law):
+            restitution: dict[str, Any] = {"restitution": identity.label(law)}
+            own = identity.arguments(law)
+        else:
+            restitution, own = {"e": law}, {}
+        return {
+            "scene": identity.label(self.initial),
+            **restitution,
+            "exponent": self.kernel.exponent,
+            "strength": self.kernel.strength,
+            "diffusion": self.diffusion,
+            **identity.arguments(self.initial, self.dim),
+            **own,
+        }
 
     def describe(self) -> dict[str, Any]:
-        """The scene as plain data, for a dataset's attributes."""
+        """The scene as plain data, for a dataset's attributes.
+
+        Densities and laws of granstudy are described by their ``repr``; functions of the user by name,
+        arguments and a digest of their code.
+        """
+        law = self.restitution
         return {
             "dim": self.dim,
-            "initial": repr(self.initial),
+            "initial": identity.described(self.initial, self.dim),
             "kernel": dataclasses.asdict(self.kernel),
-            "restitution": (
-                repr(self.restitution) if callable(self.restitution) else float(self.restitution)
-            ),
-            "diffusion": float(self.diffusion),
+            "restitution": identity.described(law) if callable(law) else law,
+            "diffusion": self.diffusion,
             "symmetry": self.symmetry.name,
         }
+
+    def identity(self) -> dict[str, Any]:
+        """All that decides a run of the scene: as `describe`, with digests alone for functions of the user.
+
+        Raises
+        ------
+        ValueError
+            If such a function reaches a value that has no content to be known by.
+        """
+        law = self.restitution
+        names: list[tuple[str, Any, int | None]] = [("initial", self.initial, self.dim)]
+        names += [("restitution", law, None)] if callable(law) else []
+        digests = {
+            name: identity.code(function, dim).digest
+            for name, function, dim in names
+            if not identity.is_granstudys(function)
+        }
+        return self.describe() | digests
+
+    @property
+    def source(self) -> str:
+        """Source of the user's own density and law; "" where all is granstudy's or cannot be known."""
+        functions = ((self.initial, self.dim), (self.restitution, None))
+        texts = [
+            identity.source(function, dim) for function, dim in functions if callable(function)
+        ]
+        return FUTURE + "\n\n".join(filter(None, texts)) if any(texts) else ""
 
 
 def check_density(f: np.ndarray, grid: VelocitySpace) -> np.ndarray:
@@ -143,41 +199,3 @@ def check_density(f: np.ndarray, grid: VelocitySpace) -> np.ndarray:
     if not f.sum() > 0.0:
         raise ValueError("density has no mass on the grid: its sum must be positive")
     return f
-
-
-def load_scene(name: str, **overrides: Any) -> Scene:
-    """A scene by its name, with any field overridden.
-
-    The defaults are the paper's: Maxwell molecules of unit cross-section, e = 1, ε = 10⁻⁶.
-
-    Parameters
-    ----------
-    name : str
-        A name out of `granstudy.model.densities.INITIAL_DENSITIES`.
-    overrides
-        Fields of `Scene` but ``dim`` and ``initial``; and parameters of the density, which some names have in
-        2D and 3D:
-
-        ================  =================================
-        ``maxwellian``    ``temperature``, ``velocity``
-        ``uniform_ball``  ``temperature``
-        ``power_law``     ``temperature``, ``tail``
-        ``two_beams``     ``temperature``, ``separation``
-        ================  =================================
-
-    Raises
-    ------
-    ValueError
-        For an unknown name or override, or a value that its field does not allow.
-    """
-    make = named_density(name)
-    fields = {field.name for field in dataclasses.fields(Scene)} - {"dim", "initial"}
-    scene_fields = {key: value for key, value in overrides.items() if key in fields}
-    own = {key: value for key, value in overrides.items() if key not in fields}
-    allowed = {parameter.name for parameter in density_parameters(name)}
-    for key in own:
-        if key not in allowed:
-            raise unknown_name(f"field of scene {name!r}", key, sorted(fields | allowed))
-    initial = make(**own)
-    paper: dict[str, Any] = {"kernel": maxwell(initial.dim), "diffusion": 1e-6}
-    return Scene(initial.dim, initial, **paper | scene_fields)

@@ -86,7 +86,7 @@ class Computation:
         """All that the run depends on, as canonical JSON, equal however it was asked for."""
         described: dict[str, Any] = {
             "run": self.kind,
-            "scene": self.scene.describe(),
+            "scene": self.scene.identity(),
             "solver": self.solver.describe(),
             "time": None if self.time is None else self.time.describe(),
         }

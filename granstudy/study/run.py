@@ -9,9 +9,10 @@ from urllib.parse import quote
 
 from granstudy.evolution.times import TimeSettings
 from granstudy.model.kernel import VHS
+from granstudy.model.load_scene import load_scene
 from granstudy.model.methods import METHODS, PARTICLES
 from granstudy.model.restitution import Viscoelastic
-from granstudy.model.scene import Scene, load_scene
+from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.runs.computation import Computation
 from granstudy.study.schema.experiment import (
@@ -25,10 +26,10 @@ from granstudy.study.schema.generated import Section
 from granstudy.study.schema.sections import SolverModel, TimeModel, TimesModel, ViscoelasticModel
 from granstudy.velocity.sphere import sphere_area
 
-SHARED_WITH_REFERENCE = ("e", "exponent", "epsilon", "N", "R", "N_rho")
+SHARED_WITH_REFERENCE = ("e", "exponent", "diffusion", "N", "R", "N_rho")
 """What a run's reference takes over from the run: all but the rule on the sphere."""
 
-SHARED_WITH_TRUTH = ("e", "exponent", "epsilon")
+SHARED_WITH_TRUTH = ("e", "exponent", "diffusion")
 """What a run's truth takes over from it: what is modelled."""
 
 NOT_SHARED = ("rtol", "precision", "device")
@@ -141,13 +142,13 @@ class Run:
         base = load_scene(model.name, **model.density)
         exponent = swept.get("exponent", model.exponent)
         strength = 1.0 / sphere_area(base.dim) if model.strength is None else model.strength
-        epsilon = swept.get("epsilon", model.epsilon)
+        diffusion = swept.get("diffusion", model.diffusion)
         return Scene(
             dim=base.dim,
             initial=base.initial,
             kernel=VHS(0.0 if exponent is None else exponent, strength),
             restitution=_restitution(swept.get("e", model.restitution)),
-            diffusion=base.diffusion if epsilon is None else epsilon,
+            diffusion=base.diffusion if diffusion is None else diffusion,
             symmetry=swept.get("symmetry", model.symmetry),
         )
 

@@ -77,12 +77,16 @@ def is_fork(module: str) -> bool:
 
 @cache
 def _tree(module: str) -> str:
-    """Syntax tree of a module as text, without docstrings, also without texts below constants."""
-    tree = ast.parse(_source(module).read_text())
+    """Syntax tree of a module as text."""
+    return ast.dump(without_texts(ast.parse(_source(module).read_text())))
+
+
+def without_texts(tree: ast.AST) -> ast.AST:
+    """The tree, changed in place, without docstrings, also without texts below constants."""
     for node in ast.walk(tree):
         if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)):
             node.body = [part for part in node.body if not _is_text(part)]
-    return ast.dump(tree)
+    return tree
 
 
 def _is_text(node: ast.stmt) -> bool:

@@ -1,5 +1,7 @@
 """Restitution that depends on the normal impact speed."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from comparison import assert_near, asymmetric_scene, evaluate
@@ -50,3 +52,51 @@ def test_slower_impacts_dissipate_less():
         Q = operator(scene.density(operator.grid))
         rates.append(-0.5 * np.sum(v2 * Q) * operator.grid.cell / T)
     assert 0 < rates[0] < rates[1]
+
+
+METHODS = [("fast", 2), ("literal", 2), ("direct", 2), ("fast", 3)]
+SETTINGS = {
+    2: {"N": 8, "R": 6.0, "N_rho": 6, "M_cir": 8},
+    3: {"N": 6, "R": 6.0, "N_rho": 4, "M_sph": 6},
+}
+
+
+@dataclass
+class Soft:
+    """A law that cannot be hashed and that can change."""
+
+    A: float
+
+    def __call__(self, v):
+        return 1 - self.A * v**0.2
+
+
+def operators(law, method, dim):
+    scene = gs.load_scene(f"double_well{dim}d", restitution=law, kernel=gs.hard_spheres(dim))
+    operator = gs.collision_operator(scene, gs.Solver(method=method, **SETTINGS[dim]))
+    return operator, scene.density(operator.grid)
+
+
+@pytest.mark.parametrize(("method", "dim"), METHODS)
+def test_a_law_that_changes_is_a_law_of_its_own(method, dim):
+    A = 0.1
+    law, soft = (lambda v: 1 - A * v**0.2), Soft(0.1)
+    found = {}
+    for A in (0.1, 0.4):
+        soft.A = A
+        for name, each in (("closure", law), ("object", soft), ("own", Soft(A))):
+            operator, f = operators(each, method, dim)
+            found[name, A] = operator(f)
+        np.testing.assert_array_equal(found["closure", A], found["own", A])
+        np.testing.assert_array_equal(found["object", A], found["own", A])
+    change = np.abs(found["own", 0.4] - found["own", 0.1]).max()
+    assert change > 1e-3 * np.abs(found["own", 0.1]).max()
+
+
+@pytest.mark.parametrize(("method", "dim"), METHODS)
+def test_an_operator_keeps_the_law_that_it_was_made_with(method, dim):
+    law = Soft(0.1)
+    operator, f = operators(law, method, dim)
+    before = operator(f)
+    law.A = 0.4
+    np.testing.assert_array_equal(operator(f), before)

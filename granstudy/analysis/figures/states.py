@@ -95,7 +95,7 @@ def _theories(ax: Axes, table: xr.Dataset) -> None:
 
 def _groups(table: xr.Dataset) -> list[tuple[xr.Dataset, dict[str, Any]]]:
     """Runs that differ in e (and ε) alone, and their look."""
-    names = [name for name in table.attrs["swept"].split() if name not in ("e", "epsilon")]
+    names = [name for name in table.attrs["swept"].split() if name not in ("e", "diffusion")]
     if not names:
         (family,) = set(families(table))
         colour = family_styles([family])[family].colour

@@ -1,11 +1,11 @@
 """One experiment of a study file: runs of one kind, swept. A class a kind, told apart by ``run``."""
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
 from granstudy.datasets.parameters import SWEPT
-from granstudy.study.schema.generated import Section
+from granstudy.study.schema.generated import Section, renamed
 from granstudy.study.schema.sections import (
     SceneFields,
     SceneModel,
@@ -159,6 +159,16 @@ class ExperimentBase(Section):
     def beside_figure(self) -> list[str]:
         """Other experiments that this one's figure shows."""
         return [] if self.figure is None else self.figure.beside
+
+    @model_validator(mode="before")
+    @classmethod
+    def _old_words(cls, values: Any) -> Any:
+        blocks = values.get("sweep") if isinstance(values, dict) else None
+        if not isinstance(blocks, list):
+            return values
+        return values | {
+            "sweep": [renamed(block) if isinstance(block, dict) else block for block in blocks]
+        }
 
     @model_validator(mode="after")
     def _sweeps_parameters(self) -> "ExperimentBase":

@@ -24,6 +24,18 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
 
+OLD_WORDS = {"epsilon": "diffusion"}
+"""Words of earlier study files, and what they are called now."""
+
+
+def renamed(words: dict[str, Any]) -> dict[str, Any]:
+    """Words of a study file, with old ones by their names of now; ValueError where both are given."""
+    for old, new in OLD_WORDS.items():
+        if old in words and new in words:
+            raise ValueError(f"{old}, {new}: both say the same; give {new}")
+    return {OLD_WORDS.get(name, name): value for name, value in words.items()}
+
+
 AnySection = TypeVar("AnySection", bound=type[Section])
 
 Fields = dict[str, tuple[Any, Any]]

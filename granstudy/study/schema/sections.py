@@ -4,11 +4,12 @@ import math
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from granstudy.study.schema.generated import (
     Section,
     density_fields,
+    renamed,
     solver_fields,
     with_fields,
 )
@@ -33,10 +34,15 @@ class SceneFields(Section):
     restitution: float | ViscoelasticModel | None = None
     exponent: Annotated[float | None, Field(description="λ of the kernel, 0 to 1")] = None
     strength: Annotated[float | None, Field(description="C_λ; default 1/(2π), 1/(4π)")] = None
-    epsilon: Annotated[float | None, Field(description="diffusion ε; default 1e-6")] = None
+    diffusion: Annotated[float | None, Field(description="diffusion ε; default 1e-6")] = None
     symmetry: Annotated[
         str | None, Field(description="none, inversion, ...; default: what the density declares")
     ] = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _old_words(cls, values: Any) -> Any:
+        return renamed(values) if isinstance(values, dict) else values
 
     @property
     def density(self) -> dict[str, Any]:

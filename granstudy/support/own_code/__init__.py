@@ -1,0 +1,1 @@
+"""Functions of users: known by their content, loaded from their files, given their arguments."""
