@@ -1,7 +1,8 @@
 """Initial densities by name: functions of the velocity components that know their symmetry and moments."""
 
 import dataclasses
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar, Protocol
@@ -150,7 +151,7 @@ class Maxwellian:
     def __post_init__(self) -> None:
         check_positive("temperature", self.temperature)
         velocity = (0.0,) * self.dim if self.velocity is None else tuple(self.velocity)
-        if len(velocity) != self.dim or not np.all(np.isfinite(velocity)):
+        if len(velocity) != self.dim or not all(map(math.isfinite, velocity)):
             raise ValueError(f"velocity={self.velocity!r}: must be {self.dim} finite numbers")
         object.__setattr__(self, "velocity", velocity)
 
@@ -305,12 +306,23 @@ def named_density(name: object) -> Callable[..., NamedDensity]:
     return INITIAL_DENSITIES[str(name)]
 
 
+def is_named(initial: object) -> bool:
+    """Whether a density is one of `INITIAL_DENSITIES`, immutable: two that are equal have the same values."""
+    named = any(type(initial) is _class(name) for name in INITIAL_DENSITIES)
+    return named and isinstance(initial, Hashable)
+
+
 def density_parameters(name: str) -> tuple[dataclasses.Field[Any], ...]:
     """Parameters that users can set of the density of that name: its fields without the dimension."""
-    made = INITIAL_DENSITIES[name]
-    density = made.func if isinstance(made, partial) else made
+    density = _class(name)
     fields = dataclasses.fields(density) if dataclasses.is_dataclass(density) else ()
     return tuple(field for field in fields if field.name != "dim")
+
+
+def _class(name: str) -> Any:
+    """The class of the initial density of that name."""
+    made = INITIAL_DENSITIES[name]
+    return made.func if isinstance(made, partial) else made
 
 
 def _squared(v: Sequence[np.ndarray], centre: Sequence[float]) -> np.ndarray:

@@ -4,6 +4,7 @@ import dataclasses
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -131,6 +132,12 @@ class Scene:
         }
 
 
+@cache
+def _overridden() -> frozenset[str]:
+    """Fields of a scene that may differ where it is loaded by name."""
+    return frozenset(field.name for field in dataclasses.fields(Scene)) - {"dim", "initial"}
+
+
 def check_density(f: np.ndarray, grid: VelocitySpace) -> np.ndarray:
     """Return ``f`` as float64, or raise ValueError for its shape, type, values or mass on the grid."""
     check_shape(f, grid)
@@ -171,7 +178,7 @@ def load_scene(name: str, **overrides: Any) -> Scene:
         For an unknown name or override, or a value that its field does not allow.
     """
     make = named_density(name)
-    fields = {field.name for field in dataclasses.fields(Scene)} - {"dim", "initial"}
+    fields = _overridden()
     scene_fields = {key: value for key, value in overrides.items() if key in fields}
     own = {key: value for key, value in overrides.items() if key not in fields}
     allowed = {parameter.name for parameter in density_parameters(name)}

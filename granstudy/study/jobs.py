@@ -52,14 +52,15 @@ def jobs(runs: list[Run]) -> list[Job]:
     numbers = count(1)
     found: list[Job] = []
     waiting: list[Run] = []
+    together = 0.0
     for run in [*runs, None]:
-        full = sum(map(_seconds, waiting)) >= JOB_SECONDS
         alone = run is None or _seconds(run) >= JOB_SECONDS
-        if waiting and (full or alone):
+        if waiting and (together >= JOB_SECONDS or alone):
             found.append(Job(waiting[0].experiment, next(numbers), tuple(waiting)))
-            waiting = []
+            waiting, together = [], 0.0
         if run is not None:
             waiting.append(run)
+            together += _seconds(run)
     return found
 
 
