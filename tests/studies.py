@@ -66,5 +66,5 @@ class Package:
     @staticmethod
     def forget():
         """Read every file anew."""
-        for reads in (fingerprint.imported_modules, fingerprint.is_fork, fingerprint._tree):
+        for reads in (fingerprint._code, fingerprint._fingerprint):
             reads.cache_clear()

@@ -46,5 +46,5 @@ class SpectrumOperator(CollisionOperator, Protocol):
 def check_state(f: np.ndarray, grid: VelocitySpace) -> None:
     """Raise ValueError unless ``f`` can be a state on ``grid``: its shape, and finite values."""
     check_shape(f, grid)
-    if not np.all(np.isfinite(f)):
+    if not np.isfinite(f).all():
         raise NotFiniteError("density holds values that are NaN or infinite: all must be finite")

@@ -176,10 +176,10 @@ def stamped(
     ds.attrs = {
         "title": f"granstudy {header.title}",
         "Conventions": CONVENTIONS,
-        "history": f"granstudy {version('granstudy')}",
+        "history": f"granstudy {versions()['granstudy']}",
         "scene": json.dumps(header.scene.describe(), sort_keys=True),
         "solver": json.dumps(header.solver.describe(), sort_keys=True),
-        "versions": json.dumps({name: version(name) for name in LIBRARIES}, sort_keys=True),
+        "versions": json.dumps(versions(), sort_keys=True),
         "git_commit": git_commit(),
     }
     if source := header.scene.source:
@@ -187,6 +187,12 @@ def stamped(
     if plans:
         ds.attrs["quadrature"] = json.dumps(list(plans), sort_keys=True)
     return ds.assign_attrs(header.attributes)
+
+
+@cache
+def versions() -> dict[str, str]:
+    """Versions of `LIBRARIES`, read once: they stay as they are while the process runs."""
+    return {name: version(name) for name in LIBRARIES}
 
 
 @cache

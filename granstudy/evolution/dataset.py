@@ -13,7 +13,7 @@ from granstudy.datasets.run_dataset import (
     time_axes,
 )
 from granstudy.support.variables import labelled
-from granstudy.trust.exact_law import add_exact_law
+from granstudy.trust.exact_law import exact_laws
 from granstudy.trust.health import health_variables
 from granstudy.velocity.moments import FRAME, MOMENTS, Quantity
 from granstudy.velocity.space import VelocitySpace
@@ -28,7 +28,7 @@ def evolution_dataset(
     place of f.
 
     For Maxwell molecules at constant e, laws of T are known exactly, and each gives a variable `.._exact` and
-    a variable `.._error` (`granstudy.trust.exact_law.add_exact_law`):
+    a variable `.._error` (`granstudy.trust.exact_law.exact_laws`):
 
     =======================  =================================  ============================
     error                    of                                 against the law of
@@ -47,16 +47,13 @@ def evolution_dataset(
         Whether the frame is rescaled.
     """
     quantities: dict[str, Quantity] = {**MOMENTS, **(FRAME if rescaled else {})}
+    moments = {name: np.array([values[name] for values in record.moments]) for name in quantities}
     data: dict[str, Any] = {
-        name: labelled(
-            np.array([values[name] for values in record.moments]),
-            quantity.long_name,
-            ("time", *quantity.dimensions),
-        )
+        name: labelled(moments[name], quantity.long_name, ("time", *quantity.dimensions))
         for name, quantity in quantities.items()
     }
     ds = xr.Dataset(data, coords=time_axes(grid.dim, record.times))
-    add_exact_law(ds, header.scene)
+    ds = ds.assign(exact_laws(header.scene, record.times, moments))
     if record.snapshots:
         ds = ds.assign(kept_densities(grid, record.snapshots, rescaled))
     ds = ds.assign(health_variables(record.health, record.reason))

@@ -1,7 +1,8 @@
 """Initial densities by name: functions of the velocity components that know their symmetry and moments."""
 
 import dataclasses
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar, Protocol
@@ -152,7 +153,7 @@ class Maxwellian:
         velocity = (0.0,) * self.dim if self.velocity is None else self.velocity
         components = tuple(velocity) if np.iterable(velocity) else ()
         if len(components) != self.dim or not all(
-            is_real(u) and np.isfinite(u) for u in components
+            is_real(u) and math.isfinite(u) for u in components
         ):
             raise ValueError(f"velocity={self.velocity!r}: must be {self.dim} finite numbers")
         object.__setattr__(self, "velocity", tuple(float(plain(u)) for u in components))
@@ -309,10 +310,15 @@ def named_density(name: object) -> Callable[..., NamedDensity]:
     return INITIAL_DENSITIES[str(name)]
 
 
+def is_named(initial: object) -> bool:
+    """Whether a density is one of `INITIAL_DENSITIES`, immutable: two that are equal have the same values."""
+    named = any(type(initial) is _class(name) for name in INITIAL_DENSITIES)
+    return named and isinstance(initial, Hashable)
+
+
 def density_parameters(name: str) -> tuple[dataclasses.Field[Any], ...]:
     """Parameters that users can set of the density of that name: its fields without the dimension."""
-    made = INITIAL_DENSITIES[name]
-    density = made.func if isinstance(made, partial) else made
+    density = _class(name)
     fields = dataclasses.fields(density) if dataclasses.is_dataclass(density) else ()
     return tuple(field for field in fields if field.name != "dim")
 
@@ -322,6 +328,12 @@ def set_positive(density: NamedDensity, field: str) -> None:
     value = getattr(density, field)
     check_positive(field, value)
     object.__setattr__(density, field, float(value))
+
+
+def _class(name: str) -> Any:
+    """The class of the initial density of that name."""
+    made = INITIAL_DENSITIES[name]
+    return made.func if isinstance(made, partial) else made
 
 
 def _squared(v: Sequence[np.ndarray], centre: Sequence[float]) -> np.ndarray:

@@ -1,7 +1,11 @@
 """The check that a scene is isotropic about v = 0, which the method `radial` needs."""
 
+from collections.abc import Callable
+from functools import cache, lru_cache
+
 import numpy as np
 
+from granstudy.model.densities import is_named
 from granstudy.model.scene import Scene
 from granstudy.velocity.radial import BALL_RATIO
 
@@ -29,27 +33,40 @@ def check_isotropic(scene: Scene, R: float) -> None:
             f"restitution={scene.restitution!r}: method 'radial' takes a constant, not a function of "
             "the impact speed; take method 'fast'"
         )
+    if is_named(scene.initial):
+        _check_named(scene.initial, scene.dim, R)
+    else:
+        _check_density(scene.initial, scene.dim, R)
+
+
+def _check_density(initial: Callable[..., np.ndarray], dim: int, R: float) -> None:
+    """Raise ValueError unless a density is isotropic about v = 0 on the ball |v| < L."""
     speeds = BALL_RATIO * R * (np.arange(SPEEDS) + 0.5) / SPEEDS
-    v = [np.outer(speeds, component) for component in directions(scene.dim).T]
-    f = np.asarray(scene.initial(*v))
+    v = [np.outer(speeds, component) for component in directions(dim).T]
+    f = np.asarray(initial(*v))
     if f.shape != v[0].shape:
         raise ValueError(
-            f"initial={scene.initial!r}: must return an array of the shape of its velocity "
+            f"initial={initial!r}: must return an array of the shape of its velocity "
             f"components, got {f.shape} for {v[0].shape}"
         )
     if not np.all(np.isfinite(f)):
-        raise ValueError(f"initial={scene.initial!r}: returns NaN or infinite values")
+        raise ValueError(f"initial={initial!r}: returns NaN or infinite values")
     spread = np.ptp(f, axis=1)
     worst = int(np.argmax(spread))
     if spread[worst] > TOLERANCE * np.max(np.abs(f)):
         low, high = f[worst].min(), f[worst].max()
         raise ValueError(
-            f"initial={scene.initial!r}: method 'radial' needs a density that is isotropic about "
+            f"initial={initial!r}: method 'radial' needs a density that is isotropic about "
             f"v = 0; at |v| = {speeds[worst]:.3g} this one goes from {low:.3g} to {high:.3g} with the "
             "direction; take method 'fast'"
         )
 
 
+_check_named = lru_cache(maxsize=1024)(_check_density)
+"""`_check_density` of densities that are known by their values (`granstudy.model.densities.is_named`)."""
+
+
+@cache
 def directions(dim: int) -> np.ndarray:
     """Unit vectors spread by the golden ratio, shape (`DIRECTIONS`, dim)."""
     angle = 2.0 * np.pi * GOLDEN * np.arange(DIRECTIONS)

@@ -5,6 +5,7 @@ import json
 import math
 import os
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 from granstudy.model.methods import (
@@ -184,23 +185,23 @@ class Solver:
 
     def _check_only_some(self) -> None:
         """Raise ValueError for a field that only other methods take."""
-        for field in dataclasses.fields(self):
-            value = getattr(self, field.name)
-            others = field.name in ONLY_SOME and field.name not in self.traits.takes
-            if others and value != field.default:
+        takes = self.traits.takes
+        for name, default in _defaults():
+            value = getattr(self, name)
+            if name in ONLY_SOME and name not in takes and value != default:
                 raise ValueError(
-                    f"{field.name}={value!r}: only {that_take(field.name)} it, not {self.method!r}"
+                    f"{name}={value!r}: only {that_take(name)} it, not {self.method!r}"
                 )
 
     def _check_rtol(self, rtol: object) -> None:
         """Raise ValueError for a bad tolerance, or one beside a field that it chooses."""
         if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 0.0 < rtol < 1.0:
             raise ValueError(f"rtol={rtol!r}: must be a number between 0 and 1, or None")
-        for field in dataclasses.fields(self):
-            value = getattr(self, field.name)
-            if field.name in QUADRATURE and value != field.default:
+        for name, default in _defaults():
+            value = getattr(self, name)
+            if name in QUADRATURE and value != default:
                 raise ValueError(
-                    f"{field.name}={value!r}: rtol={rtol!r} chooses it; leave one of them out"
+                    f"{name}={value!r}: rtol={rtol!r} chooses it; leave one of them out"
                 )
 
     def _check_particles(self) -> None:
@@ -226,7 +227,7 @@ class Solver:
         return hash(self._values())
 
     def _values(self) -> tuple[Any, ...]:
-        return tuple(getattr(self, field.name) for field in dataclasses.fields(Solver))
+        return tuple(getattr(self, name) for name, _ in _defaults())
 
     @property
     def traits(self) -> Method:
@@ -304,11 +305,17 @@ class Solver:
         ``rtol`` chooses, or ``rtol`` where it is None; fields of particles, or of quadrature, for methods
         without them; and the fields of `PRODUCTS` that are not in use.
         """
-        every = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        every = {name: getattr(self, name) for name, _ in _defaults()}
         unused = {"threads", *({"rtol"} if self.rtol is None else QUADRATURE)}
         unused |= {name for name in PRODUCTS if every[name] == NOT_IN_USE[name]}
         unused |= self.traits.unused if self.traits.by_particles else PARTICLES
         return {key: value for key, value in every.items() if key not in unused}
+
+
+@cache
+def _defaults() -> tuple[tuple[str, Any], ...]:
+    """Name and default of every field of `Solver`, listed once: solvers are made by the thousand."""
+    return tuple((field.name, field.default) for field in dataclasses.fields(Solver))
 
 
 @dataclass(frozen=True, eq=False)

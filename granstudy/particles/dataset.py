@@ -15,7 +15,7 @@ from granstudy.datasets.run_dataset import (
 )
 from granstudy.support.errors import unknown_name
 from granstudy.support.variables import labelled
-from granstudy.trust.exact_law import add_exact_law
+from granstudy.trust.exact_law import exact_laws
 from granstudy.trust.health import health_variables
 from granstudy.velocity.moments import MOMENTS, Quantity
 from granstudy.velocity.space import VelocitySpace
@@ -73,7 +73,7 @@ def particle_dataset(
     batches = next(iter(by_batch.values())).shape[0]
     axes = time_axes(grid.dim, times) | {"batch": np.arange(batches)}
     ds = xr.Dataset(data, coords=axes)
-    add_exact_law(ds, header.scene)
+    ds = ds.assign(exact_laws(header.scene, times, {name: data[name][1] for name in by_batch}))
     if snapshots:
         ds = ds.assign(kept_densities(grid, snapshots, rescaled=False))
     ds = ds.assign(health_variables(health, ending.reason))

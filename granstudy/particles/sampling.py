@@ -1,7 +1,7 @@
 """Velocities drawn from an initial density by rejection, cell by cell of a grid (docs/particles.md §2)."""
 
 import numpy as np
-from scipy.ndimage import maximum_filter
+import scipy
 
 from granstudy.model.scene import Scene
 from granstudy.velocity.cartesian import VelocityGrid
@@ -40,7 +40,9 @@ class Sampler:
             low, high = (np.arange(grid.N) + shift for shift in (0, 1))
             bound = np.maximum(np.take(bound, low, axis), np.take(bound, high, axis))
         bound = np.maximum(bound, self._not_negative(centres))
-        majorant = np.maximum(MARGIN * bound, FLOOR * maximum_filter(bound, size=3)).ravel()
+        majorant = np.maximum(
+            MARGIN * bound, FLOOR * scipy.ndimage.maximum_filter(bound, size=3)
+        ).ravel()
         self._cells = np.flatnonzero(majorant)
         self._majorant = majorant[self._cells]
         self._chance = self._majorant / self._majorant.sum()

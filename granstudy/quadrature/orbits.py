@@ -1,7 +1,7 @@
 """Orbits of a rule's directions under a group and ±1."""
 
 import numpy as np
-from scipy.spatial import KDTree
+import scipy
 
 from granstudy.quadrature.rule import ANTIPODAL_TOLERANCE, Rule, symmetrise
 from granstudy.velocity.symmetry import Element, Symmetry, move
@@ -14,7 +14,7 @@ def invariance(rule: Rule, group: Symmetry) -> Symmetry:
     orbits.
     """
     full = symmetrise(rule)
-    tree = KDTree(full.points)
+    tree = scipy.spatial.KDTree(full.points)
     return Symmetry(group.dim, frozenset(h for h in group.elements if _keeps(h, full, tree)))
 
 
@@ -30,7 +30,7 @@ def representatives(rule: Rule, group: Symmetry) -> Rule:
         If the rule is not invariant under the group.
     """
     full = symmetrise(rule)
-    tree = KDTree(full.points)
+    tree = scipy.spatial.KDTree(full.points)
     first = np.arange(len(full))
     for h in group.elements:
         if not _keeps(h, full, tree):
@@ -44,7 +44,7 @@ def representatives(rule: Rule, group: Symmetry) -> Rule:
     return Rule(full.points[rows], weights, full.degree, name)
 
 
-def _keeps(h: Element, rule: Rule, tree: KDTree) -> bool:
+def _keeps(h: Element, rule: Rule, tree: "scipy.spatial.KDTree") -> bool:
     distance, image = tree.query(move(h, rule.points))
     difference = np.abs(rule.weights - rule.weights[image])
     return bool(

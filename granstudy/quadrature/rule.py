@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 ANTIPODAL_TOLERANCE = 1e-12
 """Largest distance of a point from the antipode that it stands for, and relative difference of equal
@@ -151,7 +151,7 @@ def _read_only(field: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _antipodes(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
     """For every point x, the distance from −x to the nearest point, and that point's row."""
-    return KDTree(points).query(-points)
+    return scipy.spatial.KDTree(points).query(-points)
 
 
 def _antipodal_degree(degree: int) -> int:

@@ -91,7 +91,9 @@ def obtain(
 
     def make() -> xr.Dataset:
         if run_key(computation) != key:
-            raise ChangedError("the study or the code changed since the work was planned; start it again")
+            raise ChangedError(
+                "the study or the code changed since the work was planned; start it again"
+            )
         if computation.refinement is not None:
             return refined(computation, _in_store(store, threads))
         return execute(computation, threads)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator, gmres
+import scipy
 
 DENSE = 256
 """Largest number of unknowns with a derivative written out as a matrix; radial grids have fewer."""
@@ -78,6 +78,7 @@ def _step(derivative: Callable[[np.ndarray], np.ndarray], F: np.ndarray) -> np.n
     n = F.size
     if n <= DENSE:
         return np.linalg.solve(np.column_stack([derivative(h) for h in np.eye(n)]), F)
-    operator = LinearOperator((n, n), matvec=derivative, dtype=float)
-    step, _ = gmres(operator, F, rtol=FORCING, restart=KRYLOV, maxiter=RESTARTS)
+    linalg = scipy.sparse.linalg
+    operator = linalg.LinearOperator((n, n), matvec=derivative, dtype=float)
+    step, _ = linalg.gmres(operator, F, rtol=FORCING, restart=KRYLOV, maxiter=RESTARTS)
     return step

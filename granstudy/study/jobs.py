@@ -86,15 +86,16 @@ def jobs(runs: Sequence[Sequence[Member]], cores: int | None) -> list[Job]:
     enough = min(max(share, SHORTEST), LONGEST)
     found: list[Job] = []
     waiting: list[Sequence[Member]] = []
+    together = 0.0
     for run in [*runs, None]:
-        full = sum(map(_seconds, waiting)) >= enough
         alone = run is None or _seconds(run) >= enough
         other = run is not None and bool(waiting) and _threads(run) != _threads(waiting[0])
-        if waiting and (full or alone or other):
+        if waiting and (together >= enough or alone or other):
             found.append(_job(waiting))
-            waiting = []
+            waiting, together = [], 0.0
         if run is not None:
             waiting.append(run)
+            together += _seconds(run)
     return sorted(found, key=lambda job: -job.total)
 
 

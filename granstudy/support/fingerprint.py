@@ -10,6 +10,7 @@ import hashlib
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 PACKAGE = Path(__file__).parents[1]
 """Folder of the package whose modules are hashed."""
@@ -35,6 +36,12 @@ def fingerprint(modules: Iterable[str]) -> str:
     str
         16 hexadecimal digits.
     """
+    return _fingerprint(frozenset(modules))
+
+
+@cache
+def _fingerprint(modules: frozenset[str]) -> str:
+    """`fingerprint`, once a process: thousands of runs depend on the same few sets of modules."""
     found: set[str] = set()
     waiting = list(modules)
     while waiting:
@@ -44,17 +51,51 @@ def fingerprint(modules: Iterable[str]) -> str:
             waiting.extend(imported_modules(module))
     digest = hashlib.sha256()
     for module in sorted(found):
-        digest.update(f"{module}\n{_tree(module)}\n".encode())
+        digest.update(f"{module}\n{_code(module).tree}\n".encode())
         for file in _data(module):
             digest.update(file.name.encode() + file.read_bytes())
     return digest.hexdigest()[:16]
 
 
-@cache
 def imported_modules(module: str) -> tuple[str, ...]:
     """Modules of the package that ``module`` itself imports, by dotted name."""
+    return _code(module).imports
+
+
+def is_fork(module: str) -> bool:
+    """Whether a module is marked as a fork, by `FORK_NAME`."""
+    return _code(module).is_fork
+
+
+class _Code(NamedTuple):
+    """What a fingerprint needs to know of a module.
+
+    Attributes
+    ----------
+    imports : tuple of str
+        Modules of the package that it imports.
+    is_fork : bool
+    tree : str
+        Its syntax tree as text, without docstrings, also without texts below constants.
+    """
+
+    imports: tuple[str, ...]
+    is_fork: bool
+    tree: str
+
+
+@cache
+def _code(module: str) -> _Code:
+    """The code of a module, parsed once a process."""
+    tree = ast.parse(_source(module).read_text())
+    imports, fork = tuple(_imports(tree)), any(map(_marks_fork, tree.body))
+    return _Code(imports, fork, ast.dump(without_texts(tree)))
+
+
+def _imports(tree: ast.Module) -> list[str]:
+    """Modules of the package that a syntax tree imports, each once."""
     found = []
-    for node in ast.walk(ast.parse(_source(module).read_text())):
+    for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("granstudy"):
             for name in node.names:
                 inner = f"{node.module}.{name.name}"
@@ -62,23 +103,7 @@ def imported_modules(module: str) -> tuple[str, ...]:
         elif isinstance(node, ast.Import):
             found.extend(a.name for a in node.names if a.name.startswith("granstudy"))
     # `from granstudy import x` must not drag in the whole public API of the package.
-    return tuple(name for name in dict.fromkeys(found) if name != "granstudy")
-
-
-@cache
-def is_fork(module: str) -> bool:
-    """Whether a module is marked as a fork, by `FORK_NAME`."""
-    return any(
-        isinstance(node, ast.Assign)
-        and FORK_NAME in [getattr(name, "id", "") for name in node.targets]
-        for node in ast.parse(_source(module).read_text()).body
-    )
-
-
-@cache
-def _tree(module: str) -> str:
-    """Syntax tree of a module as text."""
-    return ast.dump(without_texts(ast.parse(_source(module).read_text())))
+    return [name for name in dict.fromkeys(found) if name != "granstudy"]
 
 
 def without_texts(tree: ast.AST) -> ast.AST:
@@ -87,6 +112,13 @@ def without_texts(tree: ast.AST) -> ast.AST:
         if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)):
             node.body = [part for part in node.body if not _is_text(part)]
     return tree
+
+
+def _marks_fork(node: ast.stmt) -> bool:
+    """Whether a statement sets `FORK_NAME`."""
+    return isinstance(node, ast.Assign) and FORK_NAME in [
+        getattr(name, "id", "") for name in node.targets
+    ]
 
 
 def _is_text(node: ast.stmt) -> bool:

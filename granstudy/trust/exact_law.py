@@ -1,37 +1,49 @@
 """Exact temperature and kurtosis of Maxwell molecules at constant restitution (docs/theory.md §1)."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from granstudy import theory
 from granstudy.model.scene import Scene
-from granstudy.support.variables import labelled
+from granstudy.support.variables import Variable, labelled
 from granstudy.velocity.sphere import sphere_area
 
 
-def add_exact_law(ds: xr.Dataset, scene: Scene) -> None:
-    """Add exact laws of T, and distances from them, to a run's dataset; nothing where no law is known.
+def exact_laws(
+    scene: Scene, times: np.ndarray | Sequence[float], moments: Mapping[str, np.ndarray]
+) -> dict[str, Variable]:
+    """Exact laws of T over ``time``, and distances of a run from them; nothing where no law is known.
 
     Each law starts from the discrete initial value. The law of `temperature` has the run's initial density,
     the law of `paper_temperature` unit density, as the paper has it.
+
+    Parameters
+    ----------
+    scene : Scene
+    times : sequence of float, length n
+        Times of the run's outputs.
+    moments : mapping
+        The run's `density`, `temperature` and `paper_temperature`, each of shape (n,).
     """
     if scene.kernel.exponent != 0.0 or callable(scene.restitution):
-        return
+        return {}
     law: dict[str, Any] = {
-        "t": ds["time"].values,
+        "t": np.asarray(times),
         "restitution": float(scene.restitution),
         "diffusion": scene.diffusion,
         "cross_section": sphere_area(scene.dim) * scene.kernel.strength,
     }
-    density0 = float(ds["density"][0])
+    found: dict[str, Variable] = {}
+    density0 = float(moments["density"][0])
     for name, density in (("temperature", density0), ("paper_temperature", 1.0)):
-        exact = theory.maxwell_temperature(T0=float(ds[name][0]), density=density, **law)
+        exact = theory.maxwell_temperature(T0=float(moments[name][0]), density=density, **law)
         long_name = f"exact law of {name} from its discrete initial value"
-        ds[f"{name}_exact"] = labelled(exact, long_name, "time")
-        error = np.abs(ds[name].values - exact)
-        ds[f"{name}_error"] = labelled(error, f"|{name} − {name}_exact|", "time")
+        found[f"{name}_exact"] = labelled(exact, long_name, "time")
+        error = np.abs(moments[name] - exact)
+        found[f"{name}_error"] = labelled(error, f"|{name} − {name}_exact|", "time")
+    return found
 
 
 def check_maxwell_law(scene: Scene) -> None:

@@ -134,7 +134,7 @@ SIGNS = {
 
 def failure(values: Moments) -> str | None:
     """Why a run with these moments has to stop; None where it can go on."""
-    if not all(np.all(np.isfinite(value)) for value in values.values()):
+    if not all(np.isfinite(value).all() for value in values.values()):
         return NOT_FINITE
     if values["density"] <= 0.0:
         return f"the density ρ fell to {values['density']:.3g}: take a smaller dt or variant 'full'"
@@ -159,11 +159,12 @@ def state_of_health(
         Moments of f, and of the density at the first output.
     grid : VelocitySpace
     """
-    largest = np.max(np.abs(f))
+    largest = np.abs(f).max()
+    drift = values["velocity"] - first["velocity"]
     thermal = np.sqrt(values["temperature"])
     return {
         "mass_drift": abs(float(values["density"] / first["density"] - 1.0)),
-        "momentum_drift": float(np.linalg.norm(values["velocity"] - first["velocity"]) / thermal),
+        "momentum_drift": float(np.sqrt(drift @ drift) / thermal),
         "negative": max(0.0, float(-values["minimum"] / largest)),
         "edge": float(grid.edge(f) / largest),
         "tail": grid.spectral_tail(f),

@@ -11,6 +11,7 @@ no truncation, no sum over modes or directions. Where the moments of Q differ fr
 """
 
 from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ import scipy.fft
 
 from granstudy.model.restitution import Restitution
 from granstudy.model.scene import Scene
-from granstudy.quadrature.deflection import deflections
+from granstudy.quadrature.deflection import deflections, gauss_legendre
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.space import VelocitySpace
 from granstudy.velocity.sphere import sphere_area
@@ -67,20 +68,12 @@ class PairWeights(NamedTuple):
 
 def pair_weights(scene: Scene, rho: np.ndarray) -> PairWeights:
     """The weights of pairs at relative speeds ``rho``, shape (n,)."""
-    u, mean = deflections(scene.dim, 0.0)
     if callable(scene.restitution):
+        u, _ = deflections(scene.dim, 0.0)
         e = np.asarray(scene.restitution(np.multiply.outer(rho, u)), dtype=float)
+        loss2, w2, wg2, length4 = _mean_changes(scene.dim, e)
     else:
-        e = np.full((1, len(u)), float(scene.restitution))
-    # g'/|g| = 1−2α + 2α cos χ along g, 2α sin χ across it; cos χ = 1 − 2u²
-    along = (1.0 - e) / 2 + (1.0 + e) / 2 * (1.0 - 2.0 * u**2)
-    across = (1.0 + e) * u * np.sqrt(1.0 - u**2)
-    along2, across2 = along**2 @ mean, across**2 @ mean
-    length4 = (along**2 + across**2) ** 2 @ mean
-    # across g, w has one direction: a (d−1)th part of the mean square of g' across g lies along it
-    share = across2 / (scene.dim - 1)
-    loss2 = along2 + across2 - 1.0
-    w2, wg2 = loss2 + 2.0 * share, 2.0 * (along2 - 1.0 - share)
+        loss2, w2, wg2, length4 = _mean_changes_at(scene.dim, float(scene.restitution))
     g2 = rho**2
     B = sphere_area(scene.dim) * scene.kernel.strength * rho**scene.kernel.exponent
     return PairWeights(
@@ -90,6 +83,34 @@ def pair_weights(scene: Scene, rho: np.ndarray) -> PairWeights:
         linear=B * g2 * w2,
         square=B * wg2 / 4,
     )
+
+
+def _mean_changes(dim: int, e: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Means over σ that the weights of a pair are made of, at restitutions ``e``, shape (n, nodes of χ).
+
+    Returns
+    -------
+    tuple of ndarray, shape (n,)
+        The mean of |g'|²/|g|² − 1; the factors of |w|²|g|² and of (w·g)² in the mean of Δ(V²+V*²);
+        the mean of |g'|⁴/|g|⁴.
+    """
+    u, mean = deflections(dim, 0.0)
+    # g'/|g| = 1−2α + 2α cos χ along g, 2α sin χ across it; cos χ = 1 − 2u²
+    along = (1.0 - e) / 2 + (1.0 + e) / 2 * (1.0 - 2.0 * u**2)
+    across = (1.0 + e) * u * np.sqrt(1.0 - u**2)
+    along2, across2 = along**2 @ mean, across**2 @ mean
+    length4 = (along**2 + across**2) ** 2 @ mean
+    # across g, w has one direction: a (d−1)th part of the mean square of g' across g lies along it
+    share = across2 / (dim - 1)
+    loss2 = along2 + across2 - 1.0
+    return loss2, loss2 + 2.0 * share, 2.0 * (along2 - 1.0 - share), length4
+
+
+@lru_cache(maxsize=16)
+def _mean_changes_at(dim: int, e: float) -> tuple[np.ndarray, ...]:
+    """`_mean_changes` at a constant e, kept: a radial run asks for them at each angle; shapes (1,)."""
+    u, _ = deflections(dim, 0.0)
+    return _mean_changes(dim, np.full((1, len(u)), e))
 
 
 class CollisionRates:
@@ -190,7 +211,7 @@ class _RadialPairs:
     """
 
     def __init__(self, scene: Scene, grid: VelocitySpace) -> None:
-        x, w = np.polynomial.legendre.leggauss(ANGLES)
+        x, w = gauss_legendre(ANGLES)
         if grid.dim == 2:
             x = np.cos(np.pi / 2 * (x + 1))
         speeds, weights = grid.velocities()[0], np.asarray(grid.measure)

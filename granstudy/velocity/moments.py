@@ -48,7 +48,7 @@ class Moment(Quantity):
 
 def temperature(m: VelocityMoments, d: int) -> Any:
     """T = ∫|v−u|² f dv / (dρ)."""
-    return np.trace(m.pressure) / (d * m.density)
+    return m.pressure.trace() / (d * m.density)
 
 
 MOMENTS: dict[str, Moment] = {

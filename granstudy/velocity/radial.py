@@ -145,7 +145,7 @@ class RadialGrid:
             density=density,
             momentum=np.zeros(self.dim),
             energy=0.5 * second,
-            pressure=second / self.dim * np.eye(self.dim),
+            pressure=second / self.dim * self._identity,
             fourth=fourth,
         )
 
@@ -260,6 +260,10 @@ class RadialGrid:
     def _powers(self) -> np.ndarray:
         """Weights of ∫f, ∫|v|² f and ∫|v|⁴ f."""
         return self.weights * self.nodes ** np.array([[0], [2], [4]])
+
+    @cached_property
+    def _identity(self) -> np.ndarray:
+        return np.eye(self.dim)
 
     @cached_property
     def _mode_norms(self) -> np.ndarray:

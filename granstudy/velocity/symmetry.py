@@ -7,7 +7,7 @@ v = 0, h·f on a grid is a transposed and reversed array, without interpolation.
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numba
 import numpy as np
@@ -34,6 +34,9 @@ TOLERANCE = 1e-10
 
 SPOTS = 64
 """Grid points that the cheap check looks at."""
+
+KEPT_SHAPES = 4
+"""Shapes of grids whose indices are kept, each for one group; at N = 128 in 3D they take 8 MB."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +76,7 @@ class Symmetry:
         ValueError
             If a triplet is not a signed permutation of the axes.
         """
-        return cls(dim, _closure(dim, [_parse(dim, text) for text in generators]))
+        return _generated(dim, tuple(map(str, generators)))
 
     def __len__(self) -> int:
         return len(self.elements)
@@ -81,7 +84,7 @@ class Symmetry:
     def __repr__(self) -> str:
         return f"Symmetry({self.dim}, {self.name!r})"
 
-    @property
+    @cached_property
     def name(self) -> str:
         """Name of the group, or its generators as coordinate triplets: ``y,x,z; -x,y,z``."""
         for name in NAMED:
@@ -115,22 +118,8 @@ class Symmetry:
         if len(self) == 1:
             return f
         result = np.empty(f.size, dtype=f.dtype)
-        _average(np.ravel(f), self._orbits(f.shape), result)
+        _average(np.ravel(f), _orbits(self, f.shape), result)
         return result.reshape(f.shape)
-
-    def _orbits(self, shape: tuple[int, ...]) -> np.ndarray:
-        """Flat indices of the images of one point of each orbit, shape (|G|, orbits); computed once."""
-        cache: dict[tuple[int, ...], np.ndarray]
-        cache = self.__dict__.setdefault("_orbit_cache", {})
-        if shape not in cache:
-            index = np.arange(np.prod(shape), dtype=np.uint32).reshape(shape)
-            elements = sorted(self.elements, key=triplet)
-            first = index
-            for h in elements:
-                first = np.minimum(first, apply(h, index))
-            points = np.unique(first)
-            cache[shape] = np.stack([apply(h, index).ravel()[points] for h in elements])
-        return cache[shape]
 
     def check(self, f: np.ndarray, what: str) -> None:
         """Raise ValueError unless h·f = f for every element, to `TOLERANCE` of max|f|."""
@@ -144,30 +133,22 @@ class Symmetry:
         """`check` at a few points, in microseconds: all points follow where one of them fails."""
         if len(self) == 1:
             return
-        points, images = self._spots(f.shape)
+        points, images = _spots(self, f.shape)
         values = f.ravel()[points]
         change = np.abs(f.ravel()[images] - values)
         if change.max() > TOLERANCE * np.max(np.abs(values)):
             self.check(f, what)
 
-    def _spots(self, shape: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
-        """Flat indices of `SPOTS` points, and of their images under each generator; computed once."""
-        cache: dict[tuple[int, ...], tuple[np.ndarray, np.ndarray]]
-        cache = self.__dict__.setdefault("_spot_cache", {})
-        if shape not in cache:
-            index = np.arange(np.prod(shape)).reshape(shape)
-            # Points lie in the middle half of the box, where densities differ from zero.
-            N = shape[0]
-            middle = index[(slice(N // 4, N - N // 4),) * len(shape)].ravel()
-            points = np.random.default_rng(0).choice(middle, min(SPOTS, len(middle)), replace=False)
-            images = np.stack([apply(h, index).ravel()[points] for h in self.generators])
-            cache[shape] = points, images
-        return cache[shape]
-
 
 def stabiliser(group: Symmetry, vector: Iterable[float]) -> Symmetry:
     """The subgroup of the elements that leave a vector as it is."""
-    u = np.asarray(list(vector))
+    return _stabiliser(group, tuple(map(float, vector)))
+
+
+@lru_cache(maxsize=1024)
+def _stabiliser(group: Symmetry, vector: tuple[float, ...]) -> Symmetry:
+    """`stabiliser`, kept: the thousands of runs of a study share a few vectors."""
+    u = np.asarray(vector)
     return Symmetry(
         group.dim, frozenset(h for h in group.elements if np.array_equal(move(h, u), u))
     )
@@ -199,8 +180,38 @@ def triplet(h: Element) -> str:
     return ",".join(("" if s > 0 else "-") + AXES[p] for p, s in h)
 
 
+@lru_cache(maxsize=256)
+def _generated(dim: int, generators: tuple[str, ...]) -> Symmetry:
+    """`Symmetry.generated`, kept: the thousands of runs of a study share a few groups."""
+    return Symmetry(dim, _closure(dim, [_parse(dim, text) for text in generators]))
+
+
+@lru_cache(maxsize=KEPT_SHAPES)
+def _orbits(group: Symmetry, shape: tuple[int, ...]) -> np.ndarray:
+    """Flat indices of the images of one point of each orbit, shape (|G|, orbits)."""
+    index = np.arange(np.prod(shape), dtype=np.uint32).reshape(shape)
+    elements = sorted(group.elements, key=triplet)
+    first = index
+    for h in elements:
+        first = np.minimum(first, apply(h, index))
+    points = np.unique(first)
+    return np.stack([apply(h, index).ravel()[points] for h in elements])
+
+
+@lru_cache(maxsize=KEPT_SHAPES)
+def _spots(group: Symmetry, shape: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Flat indices of `SPOTS` points, and of their images under each generator."""
+    index = np.arange(np.prod(shape)).reshape(shape)
+    # Points lie in the middle half of the box, where densities differ from zero.
+    N = shape[0]
+    middle = index[(slice(N // 4, N - N // 4),) * len(shape)].ravel()
+    points = np.random.default_rng(0).choice(middle, min(SPOTS, len(middle)), replace=False)
+    images = np.stack([apply(h, index).ravel()[points] for h in group.generators])
+    return points, images
+
+
 def _parse(dim: int, text: str) -> Element:
-    parts = [part.strip() for part in str(text).split(",")]
+    parts = [part.strip() for part in text.split(",")]
     axes = [part.removeprefix("-") for part in parts]
     if sorted(axes) != sorted(AXES[:dim]):
         raise ValueError(
