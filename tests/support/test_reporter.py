@@ -53,7 +53,7 @@ def test_the_log_says_run_step_time_and_what_is_left(job):
     assert first == "run 2 of 3  e~0.5/N~24  about 20 s left"
     assert between[0] == "run 2 of 3  e~0.5/N~24  step 50 of 200  t = 0.5  about 50 s left"
     assert [line.split("step ")[1].split()[0] for line in between] == ["50", "100", "150", "200"]
-    assert last == "run 2 of 3  e~0.5/N~24  ok trusted  40.0 s  about 40 s left"
+    assert last == "run 2 of 3  e~0.5/N~24  ok trusted  40.0 s  about 35 s left"
     assert job.lines[-1] == "run 3 of 3  e~0.9  diverged failed  0.0 s"
 
 
