@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from tqdm import tqdm
 
 from granstudy.collision.fast.adaptive.retuning import Tuning
 from granstudy.collision.operator import collision_operator
@@ -26,6 +25,7 @@ from granstudy.evolution.times import TimeSettings
 from granstudy.evolution.unknowns import collisions, representation
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Choice, SizedSolver
+from granstudy.support.progress import Progress, watched
 from granstudy.trust import health
 from granstudy.trust.error_estimate import Examination
 from granstudy.trust.flags import Status
@@ -36,7 +36,7 @@ Frame = FixedFrame | RescaledFrame
 
 
 def evolve(
-    scene: Scene, choice: Choice, settings: TimeSettings, progress: bool | None = None
+    scene: Scene, choice: Choice, settings: TimeSettings, progress: Progress = None
 ) -> xr.Dataset:
     """Advance the initial density of a scene on a grid; see `granstudy.simulate`.
 
@@ -46,23 +46,22 @@ def evolve(
     choice : Choice
         The solver asked for, and the one chosen.
     settings : TimeSettings
-    progress : bool, optional
-        Show a progress bar. Default: where a person watches (a terminal).
+    progress : bool or callable, optional
+        As of `granstudy.simulate`.
     """
     header = Header.of("evolution", scene, choice, settings.coordinates())
     run = _prepare(scene, choice.solver, settings)
     observer = _Observer(scene, settings, run)
     record = observer.record
-    hidden = None if progress is None else not progress
     # The observer looks for overflow and NaN, in one place.
     with (
         np.errstate(over="ignore", invalid="ignore", divide="ignore"),
-        tqdm(total=run.steps.outputs, disable=hidden) as bar,
+        watched(progress, run.steps.outputs - 1) as report,
     ):
         try:
             for point in run.steps.march(run.start):
                 observer.see(point)
-                bar.update(point.is_output)
+                report(len(record.times) - 1, point.time)
         except StoppedError as stopped:
             record.status, record.reason = Status.DIVERGED, str(stopped)
     ds = evolution_dataset(header, run.operator.grid, record, settings.rescaled)

@@ -14,6 +14,7 @@ from granstudy.evolution.times import TimeSettings, check_frame
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.particles.simulation import simulate_particles
+from granstudy.support.progress import Progress
 
 FORK = "no run follows or hashes this module (granstudy.support.fingerprint)"
 """Mark of a fork."""
@@ -31,7 +32,7 @@ def simulate(
     scheme: str | None = None,
     conserve: Sequence[str] = (),
     save_every: int | None = None,
-    progress: bool | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Advance the initial density of a scene to ``t_final``, on a grid or by particles.
 
@@ -70,8 +71,11 @@ def simulate(
     save_every : int, optional
         Keep the density at the first output, at every ``save_every``-th after it, and at the last. Default:
         no density is kept.
-    progress : bool, optional
-        Show a progress bar. Default: where a person watches (a terminal).
+    progress : bool or callable, optional
+        Show a progress bar, or call a function of (done, total, time). Default: a bar where a person watches
+        (a terminal, a notebook). By a grid, done is the number of outputs after the start, and the function
+        is called after each output, and between outputs about ten times a second. By particles, all batches
+        count together, the time is their mean, and the function is called about ten times a second.
 
     Returns
     -------

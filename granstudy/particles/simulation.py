@@ -1,13 +1,13 @@
 """Independent batches of particles, their means and standard errors (docs/particles.md §3)."""
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
+from threading import Lock
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from tqdm import tqdm
 
 from granstudy.datasets.run_dataset import Ending, Header
 from granstudy.model.scene import Scene
@@ -15,6 +15,7 @@ from granstudy.model.solver import Solver
 from granstudy.particles.batch import Batch, Gas, HardImpactError, history
 from granstudy.particles.dataset import particle_dataset, standard_error
 from granstudy.particles.sampling import Sampler, quiet
+from granstudy.support.progress import PAUSE, Progress, watched
 from granstudy.trust.flags import Status
 from granstudy.velocity.cartesian import VelocityGrid
 
@@ -41,12 +42,49 @@ class BatchRecord:
     reason: str
 
 
+class _Reached:
+    """How far the batches of a run have come, which advance in threads of their own."""
+
+    def __init__(self, times: np.ndarray, batches: int) -> None:
+        self._batches = batches
+        self._step = dict(zip(times.tolist(), np.diff(times, prepend=0.0).tolist(), strict=True))
+        self._lock = Lock()
+        self._stopped = False
+        self._sum = 0.0
+        self.records = 0
+
+    def add(self, time: float) -> None:
+        """Note that a batch has reached the next time.
+
+        Raises
+        ------
+        CancelledError
+            If the run was stopped.
+        """
+        if self._stopped:
+            raise CancelledError
+        with self._lock:
+            self.records += 1
+            self._sum += self._step[float(time)]
+
+    @property
+    def mean_time(self) -> float:
+        """Time reached, the mean of all batches."""
+        return self._sum / self._batches
+
+    def stop(self, batches: Sequence[Future[BatchRecord]]) -> None:
+        """Let batches end at their next record, and none begin."""
+        self._stopped = True
+        for batch in batches:
+            batch.cancel()
+
+
 def simulate_particles(
     scene: Scene,
     solver: Solver,
     times: Sequence[float] | np.ndarray,
     save_every: int | None = None,
-    progress: bool | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Simulate a scene by particles, and record its moments at any increasing times.
 
@@ -62,8 +100,8 @@ def simulate_particles(
     save_every : int, optional
         Keep the density, counted in the cells of the grid, at the first time, at every ``save_every``-th
         after it, and at the last. Default: no density is kept.
-    progress : bool, optional
-        Show a progress bar. Default: where a person watches (a terminal).
+    progress : bool or callable, optional
+        As of `granstudy.simulate`.
 
     Returns
     -------
@@ -88,6 +126,7 @@ def simulate_particles(
     sampler = Sampler(scene, grid)
     n = solver.particles // solver.batches
     kept = _kept(times, save_every)
+    reached = _Reached(times, solver.batches)
 
     def run(rng: np.random.Generator) -> BatchRecord:
         batch = Batch(gas, quiet(sampler.draw(n, rng), pressure / density), rng)
@@ -98,15 +137,28 @@ def simulate_particles(
                 moments.append(values)
                 if time in kept:
                     counts[time] = batch.cell_counts(grid.N, grid.L)
+                reached.add(time)
         except HardImpactError as error:
             return BatchRecord(moments, counts, str(error))
         return BatchRecord(moments, counts, "")
 
     streams = np.random.SeedSequence(solver.seed).spawn(solver.batches)
-    with ThreadPoolExecutor(min(solver.thread_count, solver.batches)) as pool:
-        done = pool.map(run, map(np.random.default_rng, streams))
-        hidden = None if progress is None else not progress
-        records = list(tqdm(done, total=solver.batches, disable=hidden))
+    with (
+        watched(progress, solver.batches * len(times)) as report,
+        ThreadPoolExecutor(min(solver.thread_count, solver.batches)) as pool,
+    ):
+        batches = [pool.submit(run, np.random.default_rng(stream)) for stream in streams]
+        pending = set(batches)
+        try:
+            while pending:
+                done, pending = wait(pending, timeout=PAUSE, return_when=FIRST_COMPLETED)
+                for batch in done:
+                    batch.result()  # raises the error of the batch
+                report(reached.records, reached.mean_time)
+        except BaseException:
+            reached.stop(batches)
+            raise
+        records = [batch.result() for batch in batches]
     return _dataset(scene, solver, grid, gas, times, records)
 
 

@@ -6,6 +6,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 import scipy
 
+from granstudy.support.progress import Report
+
 DENSE = 256
 """Largest number of unknowns with a derivative written out as a matrix; radial grids have fewer."""
 
@@ -43,7 +45,13 @@ class Solution(NamedTuple):
     """Why x is no solution; "" where it is one."""
 
 
-def newton(equations: Equations, x: np.ndarray, tolerance: float, max_iterations: int) -> Solution:
+def newton(
+    equations: Equations,
+    x: np.ndarray,
+    tolerance: float,
+    max_iterations: int,
+    report: Report = lambda done, time: None,
+) -> Solution:
     """Solve F(x) = 0 by the steps x − F'(x)^{−1} F(x), until the residual has the size ``tolerance``.
 
     Up to `DENSE` unknowns, steps are exact and the residual falls quadratically. Beyond, GMRES finds each
@@ -57,9 +65,12 @@ def newton(equations: Equations, x: np.ndarray, tolerance: float, max_iterations
     tolerance : float
     max_iterations : int
         Largest number of steps.
+    report : callable
+        Called with the number of steps done, and NaN in place of a time.
     """
     F = equations.residual(x)
     sizes = [equations.size(F, x)]
+    report(0, np.nan)
     while not sizes[-1] <= tolerance:
         if len(sizes) > max_iterations:
             left = f"{sizes[-1]:.2g} after {max_iterations} steps, the tolerance {tolerance:g}"
@@ -70,6 +81,7 @@ def newton(equations: Equations, x: np.ndarray, tolerance: float, max_iterations
             return Solution(x, sizes, f"the residual is not finite after {len(sizes)} steps")
         x = further
         sizes.append(equations.size(F, x))
+        report(len(sizes) - 1, np.nan)
     return Solution(x, sizes, "")
 
 

@@ -12,6 +12,7 @@ from granstudy.model.solver import SizedSolver, Solver
 from granstudy.states.dataset import state_dataset
 from granstudy.states.equation import SteadyEquation, gas_of
 from granstudy.states.newton import DENSE, Solution, newton
+from granstudy.support.progress import Progress, watched
 from granstudy.trust.error_estimate import SLOWEST, imbalance
 from granstudy.trust.health import state_of_health
 from granstudy.trust.pair_rates import CollisionRates
@@ -25,7 +26,12 @@ VECTORS = 40
 
 
 def cooling_state(
-    scene: Scene, solver: Solver, *, tolerance: float = 1e-9, max_iterations: int = 20
+    scene: Scene,
+    solver: Solver,
+    *,
+    tolerance: float = 1e-9,
+    max_iterations: int = 20,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Solve for the homogeneous cooling state: f = θ^{−d} g((v−u)/θ), with a g that stays as it is.
 
@@ -44,6 +50,9 @@ def cooling_state(
         Largest residual, over the largest value of (θ'/θ) ∇c·(c g).
     max_iterations : int
         Largest number of steps of Newton's method.
+    progress : bool or callable, optional
+        Show a progress bar, or call a function of (done, total, time) after each step, with total
+        ``max_iterations`` and time NaN. Default: a bar where a person watches (a terminal, a notebook).
 
     Returns
     -------
@@ -64,11 +73,16 @@ def cooling_state(
     ValueError
         For a scene without such a state, or a solver that cannot find it, before any work starts.
     """
-    return _state(scene, solver, False, tolerance, max_iterations)
+    return _state(scene, solver, False, tolerance, max_iterations, progress)
 
 
 def heated_state(
-    scene: Scene, solver: Solver, *, tolerance: float = 1e-9, max_iterations: int = 20
+    scene: Scene,
+    solver: Solver,
+    *,
+    tolerance: float = 1e-9,
+    max_iterations: int = 20,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Solve for the steady state of a gas heated by diffusion, Q(f,f) + εΔf = 0.
 
@@ -78,7 +92,7 @@ def heated_state(
     Parameters, returned dataset and errors are as of `cooling_state`, with two differences: ε must be
     above 0, and `tail_slope` is −d ln f/d c^{1+λ/2}.
     """
-    return _state(scene, solver, True, tolerance, max_iterations)
+    return _state(scene, solver, True, tolerance, max_iterations, progress)
 
 
 FIND = {"cooling": cooling_state, "heated": heated_state}
@@ -120,7 +134,12 @@ def state_evaluations(solver: SizedSolver) -> int:
 
 
 def _state(
-    scene: Scene, solver: Solver, heated: bool, tolerance: float, max_iterations: int
+    scene: Scene,
+    solver: Solver,
+    heated: bool,
+    tolerance: float,
+    max_iterations: int,
+    progress: Progress,
 ) -> xr.Dataset:
     """Solve for the heated, or the cooling state."""
     check_state(scene, solver, heated)
@@ -136,8 +155,11 @@ def _state(
     )  # fmt: skip
     start = equation.start(gas.density * gaussian.density(grid))
     # `newton` looks for overflow and NaN of iterates that run away.
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        found = newton(equation, start, tolerance, max_iterations)
+    with (
+        np.errstate(over="ignore", invalid="ignore", divide="ignore"),
+        watched(progress, max_iterations) as report,
+    ):
+        found = newton(equation, start, tolerance, max_iterations, report)
     examined = _health(gaussian, equation, found, heated)
     header = Header.of("heated state" if heated else "cooling state", scene, choice)
     return state_dataset(header, gas, equation, found, examined, heated)

@@ -1,0 +1,129 @@
+"""^C: every job ends at once, and Snakemake in one line, whoever of them gets the signal.
+
+Left to itself, Snakemake waits for all running jobs and forgets what they did, and its scripts answer ^C with
+a traceback. So jobs ignore SIGINT (`SHELL_PREFIX`), and Snakemake's main process ends them by SIGTERM, which
+ends a Python process in silence, also while it starts.
+"""
+
+import os
+import signal
+import sys
+import threading
+import time
+from contextlib import suppress
+from types import FrameType, TracebackType
+from typing import NoReturn
+
+import psutil
+
+MARK = "GRANSTUDY_JOB"
+"""Environment variable of every job that Snakemake starts on this machine."""
+
+SHELL_PREFIX = f"set -euo pipefail; trap '' INT; export {MARK}=1; "
+"""Start of every job's shell command: Snakemake's usual start, no heed to ^C, and the mark."""
+
+GRACE = 2.0
+"""Seconds between SIGTERM and SIGKILL for a job."""
+
+GOES_ON = "the same command goes on"
+
+_stopped = threading.Event()
+_said = threading.Event()
+
+
+def stopped() -> bool:
+    """Whether a person has stopped this process."""
+    return _stopped.is_set()
+
+
+def said() -> None:
+    """Note that the person was told."""
+    _said.set()
+
+
+def install() -> None:
+    """Answer SIGINT, and SIGTERM until Snakemake's scheduler answers it; in the main thread only."""
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGINT, _interrupt)
+        if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
+            signal.signal(signal.SIGTERM, _terminate)
+        sys.excepthook = _excepthook
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    """End all jobs; raise KeyboardInterrupt the first time, kill what is left the next."""
+    if _stopped.is_set():
+        for process in _jobs():
+            _send(process, signal.SIGKILL)
+        return
+    _stopped.set()
+    threading.Thread(target=_end_jobs, name="end of jobs").start()
+    raise KeyboardInterrupt
+
+
+def _terminate(number: int, frame: FrameType | None) -> NoReturn:
+    """Leave through the stack, so that the lock on the working directory is taken off."""
+    raise SystemExit(128 + number)
+
+
+def _excepthook(
+    kind: type[BaseException], error: BaseException, trace: TracebackType | None
+) -> None:
+    """Say in one line that a person stopped Snakemake; other errors as ever."""
+    if not issubclass(kind, KeyboardInterrupt):
+        sys.__excepthook__(kind, error, trace)
+    elif not _said.is_set():
+        print(f"stopped: {GOES_ON}", file=sys.stderr)
+
+
+def _end_jobs() -> None:
+    """Until this process ends, end its jobs, also those that it starts meanwhile."""
+    told: dict[psutil.Process, float] = {}
+    while True:
+        for process in _jobs():
+            if process not in told:
+                told[process] = time.monotonic()
+                _send(process, signal.SIGKILL if _is_shell(process) else signal.SIGTERM)
+        left = [process for process in told if _lives(process)]
+        for process in left:
+            if time.monotonic() - told[process] > GRACE:
+                _send(process, signal.SIGKILL)
+        if not left and not threading.main_thread().is_alive():
+            return
+        time.sleep(0.05)
+
+
+def _jobs() -> list[psutil.Process]:
+    """The processes of all jobs, each before those that it has started."""
+    found: list[psutil.Process] = []
+    for child in psutil.Process().children():
+        with suppress(psutil.Error):
+            if _is_job(child):
+                found += [child, *child.children(recursive=True)]
+    return found
+
+
+def _is_job(process: psutil.Process) -> bool:
+    """Whether a child is a job: a shell that was told so, or the script that took the shell's place."""
+    return any(MARK in word for word in process.cmdline()) or MARK in process.environ()
+
+
+def _is_shell(process: psutil.Process) -> bool:
+    """Whether a process is a shell, which would say on the terminal that its script was terminated."""
+    try:
+        return process.name() in {"bash", "sh"}
+    except psutil.Error:
+        return False
+
+
+def _lives(process: psutil.Process) -> bool:
+    try:
+        return process.is_running() and process.status() != psutil.STATUS_ZOMBIE
+    except psutil.Error:
+        return False
+
+
+def _send(process: psutil.Process, number: signal.Signals) -> None:
+    with suppress(psutil.Error, OSError):
+        if process.pid != os.getpid():
+            process.send_signal(number)
