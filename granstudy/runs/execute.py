@@ -14,6 +14,7 @@ from granstudy.runs.kinds import KINDS
 from granstudy.runs.refinement import refined
 from granstudy.runs.run_key import run_key
 from granstudy.runs.store import Store
+from granstudy.support.progress import Progress
 from granstudy.trust.flags import Status, Trust, flag_variable, flag_word
 
 CAUSES = (ValueError, ArithmeticError)
@@ -53,7 +54,7 @@ class Outcome:
         return self.trust if self.status == "ok" else "failed"
 
 
-def execute(computation: Computation, threads: int) -> xr.Dataset:
+def execute(computation: Computation, threads: int, progress: Progress = False) -> xr.Dataset:
     """Compute a run with so many threads, outside of any store.
 
     A run that ends early is a dataset too, with its status: nothing computed is lost.
@@ -68,24 +69,28 @@ def execute(computation: Computation, threads: int) -> xr.Dataset:
         raise ValueError(
             f"run={computation.kind!r}: all runs of an experiment are computed together"
         )
-    return compute(computation, replace(computation.solver, threads=threads))
+    return compute(computation, replace(computation.solver, threads=threads), progress)
 
 
 def obtain(
-    computation: Computation, key: str, store: Store, threads: int = 1, wait: bool = True
-) -> Outcome | None:
+    computation: Computation,
+    key: str,
+    store: Store,
+    threads: int = 1,
+    progress: Progress = False,
+) -> Outcome:
     """The outcome of a run: out of the store, or computed now and kept there.
 
     Parameters
     ----------
     key : str
         `granstudy.runs.run_key.run_key` of the run.
-    wait : bool
-        Whether to wait for another process that computes the same run; if not, the answer is then None.
+    progress : bool, callable or None
+        As of `granstudy.simulate`.
 
     Raises
     ------
-    ValueError
+    ChangedError
         If the key is another one: what the run depends on changed since the key was taken.
     """
 
@@ -95,10 +100,10 @@ def obtain(
                 "the study or the code changed since the work was planned; start it again"
             )
         if computation.refinement is not None:
-            return refined(computation, _in_store(store, threads))
-        return execute(computation, threads)
+            return refined(computation, _in_store(store, threads, progress))
+        return execute(computation, threads, progress)
 
-    return keep(key, store, make, lambda reason: failed_dataset(computation, reason), wait)
+    return keep(key, store, make, lambda reason: failed_dataset(computation, reason))
 
 
 class ChangedError(ValueError):
@@ -110,9 +115,10 @@ def keep(
     store: Store,
     make: Callable[[], xr.Dataset],
     failed: Callable[[str], xr.Dataset],
-    wait: bool = True,
-) -> Outcome | None:
+) -> Outcome:
     """The outcome of a dataset under its key: out of the store, or made now and kept there.
+
+    Where another process makes the same dataset, this one waits for it.
 
     Parameters
     ----------
@@ -120,15 +126,11 @@ def keep(
         Makes the dataset.
     failed : callable
         Reason ↦ the dataset that stands for one that cannot be made (`CAUSES`).
-    wait : bool
-        Whether to wait for another process that makes the same dataset; if not, the answer is then None.
     """
     there = store.read(key)
     if there is not None:
         return _outcome(key, there, None)
-    with store.claim(key, wait) as mine:
-        if not mine:
-            return None
+    with store.claim(key):
         there = store.read(key)  # which may have come while this process waited
         if there is not None:
             return _outcome(key, there, None)
@@ -145,12 +147,14 @@ def keep(
         return _outcome(key, ds, seconds)
 
 
-def _in_store(store: Store, threads: int) -> Callable[[Computation], xr.Dataset]:
+def _in_store(
+    store: Store, threads: int, progress: Progress
+) -> Callable[[Computation], xr.Dataset]:
     """Computation ↦ its dataset, kept in the store."""
 
     def compute(computation: Computation) -> xr.Dataset:
         key = run_key(computation)
-        obtain(computation, key, store, threads)
+        obtain(computation, key, store, threads, progress)
         ds = store.read(key)
         assert ds is not None
         return ds

@@ -19,6 +19,7 @@ from granstudy.states.solve import (
     gaussian_scene,
     state_evaluations,
 )
+from granstudy.support.progress import Progress
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,8 @@ class Kind:
     code : callable
         chosen solver ↦ the function that computes such a run; its module is the code that the run uses.
     compute : callable or None
-        (computation, solver) ↦ the run's dataset; None where all runs of an experiment are computed together.
+        (computation, solver, progress) ↦ the run's dataset, progress as of `granstudy.simulate`; None where
+        all runs of an experiment are computed together.
     evaluations : callable
         (computation, chosen solver) ↦ evaluations of Q that the run makes; an estimate where the steps adapt.
     planned_scene : callable
@@ -46,7 +48,7 @@ class Kind:
     """
 
     code: Callable[[Solver], Callable[..., object]]
-    compute: Callable[[Computation, Solver], xr.Dataset] | None
+    compute: Callable[[Computation, Solver, Progress], xr.Dataset] | None
     evaluations: Callable[[Computation, SizedSolver], int] = lambda computation, solver: 1
     planned_scene: Callable[[Scene], Scene] = lambda scene: scene
     check: Callable[[Computation], None] = lambda computation: None
@@ -55,9 +57,9 @@ class Kind:
     shares_nodes: bool = False
 
 
-def _evolve(computation: Computation, solver: Solver) -> xr.Dataset:
+def _evolve(computation: Computation, solver: Solver, progress: Progress) -> xr.Dataset:
     assert computation.time_fields is not None
-    return simulate(computation.scene, solver, **computation.time_fields)
+    return simulate(computation.scene, solver, **computation.time_fields, progress=progress)
 
 
 def _evolution_evaluations(computation: Computation, solver: SizedSolver) -> int:
@@ -65,8 +67,8 @@ def _evolution_evaluations(computation: Computation, solver: SizedSolver) -> int
     return expected_evaluations(computation.scene, computation.time)
 
 
-def _find(state: str, computation: Computation, solver: Solver) -> xr.Dataset:
-    return FIND[state](computation.scene, solver)
+def _find(state: str, computation: Computation, solver: Solver, progress: Progress) -> xr.Dataset:
+    return FIND[state](computation.scene, solver, progress=progress)
 
 
 def _check_state(state: str, computation: Computation) -> None:
@@ -92,7 +94,7 @@ KINDS = {
     ),
     "collision": Kind(
         code=lambda solver: evaluate,
-        compute=lambda computation, solver: evaluate(computation.scene, solver),
+        compute=lambda computation, solver, progress: evaluate(computation.scene, solver),
         shares_nodes=True,
     ),
     "benchmark": Kind(code=lambda solver: evaluate, compute=None, needs_size=True),

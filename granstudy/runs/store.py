@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import xarray as xr
-from filelock import FileLock, Timeout
+from filelock import FileLock
 
 from granstudy.datasets.netcdf import read_dataset, write_dataset
 from granstudy.support.files import TEMPORARY_PREFIX
@@ -91,30 +91,18 @@ class Store:
             file.unlink(missing_ok=True)
 
     @contextmanager
-    def claim(self, key: str, wait: bool) -> Iterator[bool]:
-        """Whether this process alone may compute the run of that key now.
+    def claim(self, key: str) -> Iterator[None]:
+        """Let no other process compute the run of that key meanwhile; wait for one that does.
 
         The claim of a process that dies ends with it.
-
-        Parameters
-        ----------
-        wait : bool
-            Whether to wait for another process that has the claim.
         """
         shelf = self.path(key).parent
         shelf.mkdir(parents=True, exist_ok=True)
         lock = FileLock(shelf / f".{key}.lock")
-        try:
-            lock.acquire(timeout=-1 if wait else 0)
-        except Timeout:
-            yield False
-            return
-        try:
-            yield True
-        finally:
-            lock.release()
-            with suppress(OSError):
-                Path(lock.lock_file).unlink()
+        with lock:
+            yield
+        with suppress(OSError):
+            Path(lock.lock_file).unlink()
 
     def sweep(self, age: float, now: float) -> None:
         """Remove unfinished files of killed processes that are older than ``age`` seconds."""

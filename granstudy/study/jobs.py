@@ -55,6 +55,14 @@ class Job:
         return sum(self.seconds)
 
     @property
+    def seconds_by_run(self) -> list[float]:
+        """Estimated time of each run, whatever its names."""
+        seconds: dict[str, float] = {}
+        for (_, _, key), one in zip(self.runs, self.seconds, strict=True):
+            seconds[key] = seconds.get(key, 0.0) + one
+        return list(seconds.values())
+
+    @property
     def minutes(self) -> int:
         """Minutes to ask a cluster for: five times the estimate, and time to start."""
         return 5 + ceil(5 * self.total / 60)

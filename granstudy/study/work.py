@@ -3,12 +3,13 @@
 import traceback
 from pathlib import Path
 
-from granstudy.runs.execute import Outcome, obtain
+from granstudy.runs.execute import obtain
 from granstudy.runs.store import is_link, link
 from granstudy.study.jobs import Job
 from granstudy.study.layout import Layout
 from granstudy.study.run import Run
 from granstudy.support.files import write_json
+from granstudy.support.reporter import SUFFIX, Reporter
 
 
 class JobError(Exception):
@@ -16,14 +17,14 @@ class JobError(Exception):
 
 
 def work(job: Job, layout: Layout, threads: int, receipt: str | Path) -> None:
-    """Compute the runs of a job, each into the store and under its name in the study's folder.
+    """Compute the runs of a job, each into the store and under its names in the study's folder.
 
     A run that is in the store is left alone. A run that cannot be computed does not keep the others from it.
 
     Parameters
     ----------
     receipt : str or Path
-        File that is written once all runs are there.
+        File that is written once all runs are there: their labels, as JSON.
 
     Raises
     ------
@@ -33,27 +34,30 @@ def work(job: Job, layout: Layout, threads: int, receipt: str | Path) -> None:
     names: dict[str, list[Run]] = {}
     for experiment, path, key in job.runs:
         names.setdefault(key, []).append(layout.study.run(experiment, path))
-    left, outcomes, errors = list(names), list[Outcome](), list[str]()
-    for wait in (False, True):  # runs that another process computes come last
-        waiting = []
-        for key in left:
-            first = names[key][0]
+    errors, labels = list[str](), list[str]()
+    progress, title = layout.jobs / f"{job.id}{SUFFIX}", ", ".join(job.experiments)
+    with Reporter(progress, job.id, title, job.seconds_by_run, threads) as reporter:
+        for key, runs in names.items():
+            there, name = key in layout.store, f"{runs[0].experiment}/{runs[0].path}"
+            if not there:
+                reporter.start(name)
             try:
-                outcome = obtain(first.computation, key, layout.store, threads, wait)
+                outcome = obtain(runs[0].computation, key, layout.store, threads, reporter.step)
             except Exception as error:
                 traceback.print_exc()
-                errors.append(f"{first.experiment}/{first.path}: {type(error).__name__}: {error}")
+                errors.append(f"{name}: {type(error).__name__}: {error}")
+                reporter.finish("failed", "failed")
                 continue
-            if outcome is None:
-                waiting.append(key)
-                continue
-            outcomes.append(outcome)
-            for run in names[key]:
+            labels.append(outcome.label)
+            for run in runs:
                 _name(layout, run, key)
-        left = waiting
-    if errors:
-        raise JobError("\n".join(errors))
-    write_json(Path(receipt), [outcome.label for outcome in outcomes])
+            if there:
+                reporter.found()
+            else:
+                reporter.finish(outcome.status, outcome.label)
+        if errors:
+            raise JobError("\n".join(errors))
+    write_json(Path(receipt), labels)
 
 
 def _name(layout: Layout, run: Run, key: str) -> None:

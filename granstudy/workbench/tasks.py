@@ -52,9 +52,7 @@ class RunTask:
 
     def perform(self, store: Store) -> Outcome:
         """Compute the run into a store, or find it there."""
-        outcome = obtain(self.computation, self.key, store, self.threads)
-        assert outcome is not None
-        return outcome
+        return obtain(self.computation, self.key, store, self.threads)
 
 
 @dataclass(frozen=True)
@@ -77,9 +75,7 @@ class CallTask:
 
     def perform(self, store: Store) -> Outcome:
         """Call the function and keep what it returns, or find it in the store."""
-        outcome = keep(self.key, store, self._call, _failed)
-        assert outcome is not None
-        return outcome
+        return keep(self.key, store, self._call, _failed)
 
     def _call(self) -> xr.Dataset:
         ds = self.function(**self.arguments)

@@ -1,6 +1,7 @@
 """The store: every run once, whoever asks for it, and nothing but whole runs."""
 
 import multiprocessing
+import threading
 import time
 
 import numpy as np
@@ -38,7 +39,7 @@ def computed(monkeypatch):
     made = []
     compute = execute.execute
     monkeypatch.setattr(
-        execute, "execute", lambda one, threads: made.append(one) or compute(one, threads)
+        execute, "execute", lambda one, *more: made.append(one) or compute(one, *more)
     )
     return made
 
@@ -93,7 +94,7 @@ def test_a_run_that_must_fail_is_kept_as_failed_and_not_tried_again(store, monke
     key = run_key(one)
     tried = []
 
-    def fail(computation, threads):
+    def fail(computation, *more):
         tried.append(computation)
         raise OverflowError("too large")
 
@@ -107,7 +108,7 @@ def test_a_run_that_must_fail_is_kept_as_failed_and_not_tried_again(store, monke
 
 
 def test_an_error_of_the_machine_keeps_nothing(store, monkeypatch):
-    def fail(computation, threads):
+    def fail(computation, *more):
         raise MemoryError
 
     monkeypatch.setattr(execute, "execute", fail)
@@ -119,8 +120,7 @@ def test_an_error_of_the_machine_keeps_nothing(store, monkeypatch):
 
 
 def _hold(folder, key, claimed, done):
-    with Store(folder).claim(key, wait=False) as mine:
-        assert mine
+    with Store(folder).claim(key):
         claimed.set()
         done.wait(60)
 
@@ -133,10 +133,14 @@ def test_two_processes_never_compute_one_run_at_once(store, computed):
     holder = spawn.Process(target=_hold, args=(store.folder, key, claimed, done))
     holder.start()
     assert claimed.wait(60)
-    assert obtain(one, key, store, wait=False) is None and not computed
+    waiting = threading.Thread(target=obtain, args=(one, key, store))
+    waiting.start()
+    waiting.join(2.0)
+    assert waiting.is_alive() and not computed
     holder.kill()  # a claim ends with the process that has it
     holder.join()
-    assert obtain(one, key, store, wait=False).computed
+    waiting.join(60.0)
+    assert len(computed) == 1 and key in store
 
 
 def test_a_link_is_the_run_under_another_name(store, tmp_path):

@@ -1,7 +1,9 @@
 # The study, loaded and checked once; where its results lie (granstudy/study/layout.py); what is left to do.
+import os
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
+from snakemake_logger_plugin_granstudy import interrupt, locks
 
 from granstudy.study.jobs import Job
 from granstudy.study.layout import Layout
@@ -9,6 +11,12 @@ from granstudy.study.schema.file import MAP
 from granstudy.study.state import check_owner, prepare
 from granstudy.study.study import load_study, read_study
 from granstudy.support.fingerprint import fingerprint
+
+# ^C ends all jobs at once, and the same command goes on.
+shell.prefix(interrupt.SHELL_PREFIX)
+if workflow.is_main_process:
+    interrupt.install()
+    locks.clear_stale()
 
 STUDY_FILE = config.get("study", "workflow/config/paper.yaml")
 RESULTS_FOLDER = config.get("results", "results")
@@ -30,6 +38,7 @@ RESULTS = LAYOUT.results
 # The jobs that are left: each is written to a file, which a job on a cluster finds there.
 if workflow.is_main_process:
     JOBS = {job.id: job for job in prepare(LAYOUT, STUDY_FILE, workflow.cores)}
+    os.environ["GRANSTUDY_OVERVIEW"] = str(LAYOUT.overview)
 else:
     JOBS = {
         path.stem: Job.read(path)

@@ -2,6 +2,9 @@ from granstudy.analysis.tables.table import experiment_table, write_table
 from granstudy.datasets.netcdf import read_dataset
 from granstudy.study.layout import Layout
 from granstudy.study.study import read_study
+from granstudy.support.log import log_to
+
+log_to(snakemake.log[0])
 
 study = read_study(snakemake.params.study)
 name = snakemake.wildcards.experiment
