@@ -4,9 +4,11 @@ import time
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import xarray as xr
 
+from granstudy.datasets.netcdf import read_dataset
 from granstudy.datasets.run_dataset import Ending, Header, stamped
 from granstudy.runs.computation import Computation
 from granstudy.runs.estimates import chosen
@@ -170,6 +172,11 @@ def failed_dataset(computation: Computation, reason: str) -> xr.Dataset:
     trust = flag_variable(Trust.UNTRUSTED, "how far to believe T and a2", reasons=reason)
     ds = stamped(xr.Dataset({"trust": trust}), header, Ending(Status.FAILED, reason))
     return ds if computation.solver.N is not None else ds.drop_vars(["N", "R"])
+
+
+def label_of(path: Path) -> str:
+    """Label of a run in a file; "" for a run without one."""
+    return _outcome("", read_dataset(path), None).label
 
 
 def _outcome(key: str, ds: xr.Dataset, seconds: float | None) -> Outcome:

@@ -81,6 +81,11 @@ class Layout:
         """What was done and what was left when the workflow started, as JSON."""
         return self.jobs / "overview.json"
 
+    @property
+    def labels(self) -> Path:
+        """Labels of the study's runs by key, as JSON; made anew where it is lost."""
+        return self.jobs / "labels.json"
+
     def job_file(self, job: str) -> str:
         """What a job computes."""
         return f"{self.jobs}/{job}.json"

@@ -1,6 +1,7 @@
 """How far a study is: its runs that are in the store, and its folder that shows them."""
 
 import json
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -8,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from granstudy.runs.estimates import estimate_run
+from granstudy.runs.execute import label_of
 from granstudy.runs.store import is_link, link, sidecar
 from granstudy.study.jobs import Job, jobs
 from granstudy.study.layout import Layout
@@ -65,7 +67,7 @@ class State:
     @property
     def older(self) -> dict[str, str]:
         """Keys of older versions of runs, by experiment/path, where the store still has them."""
-        before, kept = read_manifest(self.layout.manifest), self.layout.store.keys()
+        before, kept = read_json(self.layout.manifest), self.layout.store.keys()
         found = {}
         for m in self.layout.study.members:
             name = f"{m.experiment}/{m.path}"
@@ -76,8 +78,8 @@ class State:
         return found
 
 
-def read_manifest(path: Path) -> dict[str, Any]:
-    """What a study's folder of runs holds; {} where there is no such file, or a damaged one."""
+def read_json(path: Path) -> dict[str, Any]:
+    """What a file of JSON holds; {} where there is no such file, or a damaged one."""
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -90,7 +92,7 @@ def check_owner(layout: Layout, file: str | Path) -> None:
 
     A study file that is no longer there has given up its name.
     """
-    owner = read_manifest(layout.manifest).get("file")
+    owner = read_json(layout.manifest).get("file")
     own = Path(file).resolve()
     if owner and Path(owner).is_file() and not own.samefile(owner):
         raise ValueError(
@@ -132,7 +134,7 @@ def prepare(layout: Layout, file: str | Path, cores: int | None) -> list[Job]:
 
 def _show_runs(state: State, file: str | Path) -> None:
     layout, store = state.layout, state.layout.store
-    before = read_manifest(layout.manifest)
+    before = read_json(layout.manifest)
     runs = {f"{m.experiment}/{m.path}": m.key for m in layout.study.members}
     for name, key in before.get("runs", {}).items():
         path = Path(layout.runs) / f"{name}.nc"
@@ -169,20 +171,33 @@ def _show_complete(state: State, name: str) -> None:
     if not all(key in state.there for key in keys.values()):
         path.unlink(missing_ok=True)
         write_json(Path(state.layout.awaited(name)), keys)
-    elif read_manifest(path) != keys:
+    elif read_json(path) != keys:
         write_json(path, keys)
 
 
 def _forget_jobs(layout: Layout, left: Iterable[str]) -> None:
-    """Remove the files of jobs whose runs are all in the store."""
+    """Remove the files of jobs whose runs are all in the store, once their labels are written down."""
     store, keep = layout.store.keys(), set(left)
+    labels = read_json(layout.labels)
     for receipt in layout.jobs.glob("*.done"):
         name = receipt.stem
         job = Path(layout.job_file(name))
+        labels |= read_json(receipt)
         done = not job.is_file() or all(key in store for _, _, key in Job.read(job).runs)
         if name not in keep and done:
             for file in layout.jobs.glob(f"{name}.*"):
                 file.unlink(missing_ok=True)
+    write_json(layout.labels, labels)
+
+
+def labels(state: State) -> Counter[str]:
+    """How many runs have which label, of those that are there; one without a label counts as ``""``."""
+    known = read_json(state.layout.labels)
+    unknown = [key for key in state.there if key not in known]
+    if unknown:
+        known |= {key: label_of(state.layout.store.path(key)) for key in unknown}
+        write_json(state.layout.labels, known)
+    return Counter(known[key] for key in state.there)
 
 
 def _write_overview(state: State, left: list[Job], cores: int | None) -> None:
@@ -193,7 +208,7 @@ def _write_overview(state: State, left: list[Job], cores: int | None) -> None:
         "runs": len({m.key for m in layout.study.members}),
         "done": len(state.there),
         "seconds": sum(job.total for job in left),
-        "cores": cores,
-        "jobs": [job.id for job in left],
+        "cores": cores or 1,
+        "labels": labels(state),
     }
     write_json(layout.overview, content)

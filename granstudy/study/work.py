@@ -24,7 +24,7 @@ def work(job: Job, layout: Layout, threads: int, receipt: str | Path) -> None:
     Parameters
     ----------
     receipt : str or Path
-        File that is written once all runs are there: their labels, as JSON.
+        File that is written once all runs are there: key ↦ label, as JSON.
 
     Raises
     ------
@@ -34,7 +34,8 @@ def work(job: Job, layout: Layout, threads: int, receipt: str | Path) -> None:
     names: dict[str, list[Run]] = {}
     for experiment, path, key in job.runs:
         names.setdefault(key, []).append(layout.study.run(experiment, path))
-    errors, labels = list[str](), list[str]()
+    errors: list[str] = []
+    labels: dict[str, str] = {}
     progress, title = layout.jobs / f"{job.id}{SUFFIX}", ", ".join(job.experiments)
     with Reporter(progress, job.id, title, job.seconds_by_run, threads) as reporter:
         for key, runs in names.items():
@@ -48,7 +49,7 @@ def work(job: Job, layout: Layout, threads: int, receipt: str | Path) -> None:
                 errors.append(f"{name}: {type(error).__name__}: {error}")
                 reporter.finish("failed", "failed")
                 continue
-            labels.append(outcome.label)
+            labels[key] = outcome.label
             for run in runs:
                 _name(layout, run, key)
             if there:

@@ -43,7 +43,7 @@ else:
     JOBS = {
         path.stem: Job.read(path)
         for path in LAYOUT.jobs.glob("*.json")
-        if "." not in path.stem and path != LAYOUT.overview
+        if "." not in path.stem and path not in (LAYOUT.overview, LAYOUT.labels)
     }
 
 
