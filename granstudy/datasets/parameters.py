@@ -1,5 +1,6 @@
 """Every parameter of a run, once: its symbol, its heading in tables, its value for runs without it."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,7 +31,7 @@ class Parameter:
 
 
 PARAMETERS: dict[str, Parameter] = {
-    "e": Parameter("$e$", real=True),
+    "e": Parameter("$e$", absent=math.nan, real=True),
     "exponent": Parameter(r"$\lambda$", "λ", real=True),
     "epsilon": Parameter(r"$\varepsilon$", "ε", real=True),
     "symmetry": Parameter(),
@@ -56,7 +57,7 @@ PARAMETERS: dict[str, Parameter] = {
     "scheme": Parameter(absent=""),
     "conserve": Parameter(absent=""),
     "time_rtol": Parameter(absent=-1.0, real=True),
-    "dt": Parameter(r"$\Delta t$", "Δt", real=True),
+    "dt": Parameter(r"$\Delta t$", "Δt", absent=math.nan, real=True),
 }
 """All parameters by the name of their coordinate, in the order of a run's path."""
 
