@@ -30,13 +30,22 @@ STAMPED = ("checksum", "schema_version", "payload_sha256", *OWN)
 PLACES = {"time": "output", "snapshot": "kept"}
 """Names of axes along which runs differ in their coordinate."""
 
+INDEX = "_index"
+"""Ending of the names of other such axes."""
+
 OUTPUTS = "outputs"
 """Variable that counts the outputs of each run, those up to an early end."""
 
 
 def place(axis: str) -> str:
     """Name of an axis along which runs differ in the coordinate ``axis``, which is then over (run, place)."""
-    return PLACES.get(axis, f"{axis}_index")
+    return PLACES.get(axis, axis + INDEX)
+
+
+def axis_at(place: str) -> str:
+    """The axis whose `place` this is; the name itself where it is none."""
+    named = {name: axis for axis, name in PLACES.items()}
+    return named.get(place, place.removesuffix(INDEX))
 
 
 class Gathered:

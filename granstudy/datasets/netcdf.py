@@ -2,6 +2,7 @@
 
 import json
 import platform
+from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
@@ -25,6 +26,7 @@ from granstudy.datasets.storage.encoding import (
     encoded,
     is_density,
 )
+from granstudy.support.errors import DamagedFileError
 from granstudy.support.files import write_whole
 
 SCHEMA_VERSION = 2
@@ -111,6 +113,30 @@ def read_head(path: str | Path, verify: bool = True) -> Contents:
     if _is_earlier(path):
         return contents_of(read_earlier(path)).without_densities
     return _contents(path, checked_head(path, verify))
+
+
+def heads(files: Iterable[str], verify: bool = True) -> Iterator[tuple[str, Contents]]:
+    """Files and their heads, one after the other, as of `read_head`.
+
+    Raises
+    ------
+    DamagedFileError
+        After the last file, if any are damaged; the error names all of them.
+    """
+    errors, count = [], 0
+    for file in files:
+        count += 1
+        try:
+            head = read_head(file, verify)
+        except DamagedFileError as error:
+            errors.append(error)
+        else:
+            yield file, head
+    if len(errors) == 1:
+        raise errors[0]
+    if errors:
+        told = "\n".join(f"- {error}" for error in errors)
+        raise DamagedFileError(f"{len(errors)} of {count} files are damaged:\n{told}")
 
 
 def _is_earlier(path: str | Path) -> bool:

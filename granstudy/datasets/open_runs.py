@@ -1,7 +1,5 @@
 """Many runs opened as one labelled dataset."""
 
-from collections.abc import Sequence
-
 import numpy as np
 import xarray as xr
 
@@ -9,8 +7,7 @@ from granstudy.datasets.belonging import Where, belonging
 from granstudy.datasets.columns import absent
 from granstudy.datasets.densities import Densities
 from granstudy.datasets.gathering import OUTPUTS, Gathered, place
-from granstudy.datasets.netcdf import read_head
-from granstudy.support.errors import DamagedFileError
+from granstudy.datasets.netcdf import heads
 from granstudy.support.variables import attributes
 
 OF_STATES = ("iteration", "tail_speed")
@@ -70,22 +67,14 @@ def open_runs(where: Where, densities: bool = False, verify: bool = True) -> xr.
     found = belonging(where)
     gathered = Gathered(len(found.files))
     kept = Densities()
-    damaged: list[DamagedFileError] = []
     others = []
-    for file in found.files:
-        try:
-            run = read_head(file, verify)
-        except DamagedFileError as error:
-            damaged.append(error)
-            continue
+    for file, run in heads(found.files, verify):
         if found.keys.get(file) not in (None, run.attrs.get("run_key")):
             others.append(file)
             continue
         gathered.add(run)
         if densities:
             kept.add(file, run)
-    if damaged:
-        raise all_damaged(damaged, len(found.files))
     found.warn(others)
     if not gathered.rows:
         raise FileNotFoundError(f"{where}: no runs of the study there")
@@ -140,11 +129,3 @@ def _at(name: str, variable: xr.Variable, axis: str, places: np.ndarray) -> xr.V
     if size:
         values[there] = variable.values[there, places[there]]
     return xr.Variable(("run", *variable.dims[2:]), values, variable.attrs)
-
-
-def all_damaged(errors: Sequence[DamagedFileError], count: int) -> DamagedFileError:
-    """One error for all damaged files among so many."""
-    if len(errors) == 1:
-        return errors[0]
-    told = "\n".join(f"- {error}" for error in errors)
-    return DamagedFileError(f"{len(errors)} of {count} files are damaged:\n{told}")

@@ -8,10 +8,11 @@ They are attributes of the file, the first ones, so that they are checked before
 `head_bytes`       their number
 =================  ==================================================================
 
-The three attributes themselves count as zeros.
+The values of the three count as zeros.
 """
 
 import hashlib
+import re
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -25,6 +26,12 @@ BLANK = {"checksum": "0" * 64, "head_checksum": "0" * 64, "head_bytes": np.int64
 
 ZEROS = b"".join(attribute(name, value) for name, value in BLANK.items())
 """Their bytes."""
+
+HEX = re.compile(b"0{64}")
+"""A checksum among them."""
+
+VALUES = (*(found.span() for found in HEX.finditer(ZEROS)), (len(ZEROS) - 8, len(ZEROS)))
+"""Where the three values stand among them."""
 
 MARK = ZEROS[: ZEROS.index(b"0" * 64)]
 """Bytes that stand before the first checksum."""
@@ -68,8 +75,7 @@ def checked_file(path: str | Path) -> bytes:
     """
     data = Path(path).read_bytes()
     at = _seal(path, data)
-    stated = data[at + len(MARK) : at + len(MARK) + 64]
-    _compare(path, data, at, stated)
+    _compare(path, data, at, VALUES[0])
     return data
 
 
@@ -96,8 +102,7 @@ def checked_head(path: str | Path, verify: bool = True) -> bytes:
         raise damaged(path, "it is shorter than it says")
     data = data[:size]
     if verify:
-        end = at + ZEROS.rindex(b"0" * 64) + 64
-        _compare(path, data, at, data[end - 64 : end])
+        _compare(path, data, at, VALUES[1])
     return data
 
 
@@ -114,10 +119,14 @@ def _seal(path: str | Path, data: bytes) -> int:
     return at
 
 
-def _compare(path: str | Path, data: bytes, at: int, stated: bytes) -> None:
-    digest, view = hashlib.sha256(), memoryview(data)
-    digest.update(view[:at])
-    digest.update(ZEROS)
-    digest.update(view[at + len(ZEROS) :])
+def _compare(path: str | Path, data: bytes, at: int, span: tuple[int, int]) -> None:
+    """Raise DamagedFileError unless data have the checksum that stands at a span of their attributes."""
+    digest, view, end = hashlib.sha256(), memoryview(data), at + len(ZEROS)
+    blank = bytearray(view[at:end])
+    stated = blank[slice(*span)]
+    for first, last in VALUES:
+        blank[first:last] = ZEROS[first:last]
+    for part in (view[:at], blank, view[end:]):
+        digest.update(part)
     if digest.hexdigest().encode() != stated:
         raise damaged(path, "its contents do not match its checksum")

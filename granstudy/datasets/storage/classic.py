@@ -6,6 +6,7 @@ Specifications" of the NetCDF User's Guide. Such files need no HDF5, which hangs
 files, and takes several milliseconds to open a sound one.
 """
 
+import math
 import struct
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -39,7 +40,7 @@ class Stored:
 
     def values(self, data: bytes | memoryview) -> np.ndarray:
         """The values in the bytes of the file, in the machine's own order of bytes."""
-        count = int(np.prod(self.shape, dtype=np.int64))
+        count = math.prod(self.shape)
         flat = np.frombuffer(data, self.dtype, count, self.begin)
         return flat.reshape(self.shape).astype(self.dtype.newbyteorder("="))
 

@@ -85,9 +85,10 @@ def is_density(dims: tuple[str, ...], is_label: bool) -> bool:
 
 def contents_of(ds: xr.Dataset) -> Contents:
     """All of a dataset in memory."""
+    held = {name: ds.variables[name] for name in (*ds.coords, *ds.data_vars)}
     variables: dict[str, Values] = {
         str(name): (tuple(map(str, v.dims)), v.values, {str(k): a for k, a in v.attrs.items()})
-        for name, v in ds.variables.items()
+        for name, v in held.items()
     }
     attrs = {str(name): value for name, value in ds.attrs.items()}
     return Contents(attrs, {str(name) for name in ds.coords if name not in ds.dims}, variables)
