@@ -6,6 +6,7 @@ A study keeps a list of its runs in ``results/<study>/runs/study.json``:
 
 import glob
 import json
+import os
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -79,23 +80,22 @@ def belonging(where: Where) -> Belonging:
 
 def _in_folder(folder: Path) -> Belonging:
     """The runs in a folder, by the lists of the studies that they lie in."""
-    files = [path for path in sorted(folder.rglob("*.nc"), key=str) if _counts(path, folder)]
+    found = [path for path in sorted(folder.rglob("*.nc"), key=str) if _counts(path, folder)]
+    files = {Path(os.path.abspath(path)): str(path) for path in found}
+    home = Path(os.path.abspath(folder))
     lists: dict[Path, dict[Path, str] | None] = {}
     keys: dict[Path, str] = {}
-    unlisted = set()
-    for start in {folder, *(path.parent for path in files), *_lists_below(folder)}:
+    for start in {home, *(path.parent for path in files), *_lists_below(home)}:
         keys |= _listed(start, lists) or {}
-        if _listed(start, lists) is None:
-            unlisted.add(start)
-    there = set(files)
+    strangers = {p for p in files if p not in keys and _listed(p.parent, lists) is not None}
     return Belonging(
-        files=[str(path) for path in files if path in keys or path.parent in unlisted],
-        keys={str(path): key for path, key in keys.items() if path in there},
-        strangers=[str(p) for p in files if p not in keys and p.parent not in unlisted],
+        files=[name for path, name in files.items() if path not in strangers],
+        keys={files[path]: key for path, key in keys.items() if path in files},
+        strangers=[name for path, name in files.items() if path in strangers],
         missing=sorted(
             str(path)
             for path in keys
-            if path not in there and path.is_relative_to(folder) and _counts(path, folder)
+            if path not in files and path.is_relative_to(home) and _counts(path, home)
         ),
     )
 
@@ -124,11 +124,8 @@ def _listed(folder: Path, known: dict[Path, dict[Path, str] | None]) -> dict[Pat
         if runs is not None:
             known[folder] = {folder / f"{run}.nc": key for run, key in runs.items()}
         else:
-            # A relative path ends at ".", above which there may be a list too.
-            above = folder.parent if folder.parent != folder else None
-            if above is None and not folder.is_absolute():
-                above = folder.resolve().parent
-            known[folder] = None if above is None else _listed(above, known)
+            above = folder.parent
+            known[folder] = None if above == folder else _listed(above, known)
     return known[folder]
 
 

@@ -55,6 +55,7 @@ class Gathered:
         self.count, self.rows = count, 0
         self.attrs: dict[str, Any] | None = None
         self.labels: set[str] = set()
+        self.dims: dict[str, tuple[str, ...]] = {}
         self.described: dict[str, dict[str, Any]] = {}
         self.axes: dict[str, Axis] = {}
         self.series: dict[str, Series] = {}
@@ -112,6 +113,11 @@ class Gathered:
     def _take(self, row: int, name: str, variable: Values) -> None:
         """Take one variable of a run."""
         dims, values, described = variable
+        if self.dims.setdefault(name, dims) != dims:
+            raise ValueError(
+                f"{name}: has the axes {self.dims[name]} in some runs and {dims} in others; open the two "
+                "kinds of runs (evolutions, states) one after the other"
+            )
         for flag, key, text in TEXTS:
             if flag == name and key in described:
                 self._take(row, text, ((), np.array(described[key]), {}))
@@ -124,22 +130,10 @@ class Gathered:
             series = self.series.get(name)
             if series is None:
                 series = self.series[name] = Series(name, dims, values, self.count)
-            self._same_axes(name, series.dims, dims)
             series.put(row, values)
         else:
             self.scalars.setdefault(name, {})[row] = (
                 values.item() if values.dtype.kind == "U" else values[()]
-            )
-        if bool(dims) == (name in self.scalars):
-            other = self.series[name].dims if name in self.series else ()
-            self._same_axes(name, other, dims)
-
-    @staticmethod
-    def _same_axes(name: str, known: tuple[str, ...], found: tuple[str, ...]) -> None:
-        if known != found:
-            raise ValueError(
-                f"{name}: has the axes {known} in some runs and {found} in others; open the two kinds of "
-                "runs (evolutions, states) one after the other"
             )
 
 
