@@ -39,7 +39,7 @@ MARK = ZEROS[: ZEROS.index(b"0" * 64)]
 REMEDY = "delete it, and compute the run again (snakemake does, once the file is gone)"
 """What to do about a damaged file."""
 
-CHUNK = 1 << 20
+CHUNK = 1 << 16
 """Bytes read at once to find the head."""
 
 
