@@ -9,7 +9,8 @@ with paused_collection():
     from granstudy.collision.operator import choose, collision_operator
     from granstudy.collision.protocol import CollisionOperator
     from granstudy.datasets.netcdf import read_dataset, write_dataset
-    from granstudy.datasets.open_runs import final_values, open_runs, unstack_runs
+    from granstudy.datasets.open_runs import final_values, open_runs
+    from granstudy.datasets.unstack import unstack_runs
     from granstudy.evolution.forecast import Forecast, plan
     from granstudy.evolution.frames.physical import physical_density
     from granstudy.evolution.simulate import simulate

@@ -80,7 +80,7 @@ PARAMETERS: dict[str, Parameter] = {
     "scheme": Parameter("time scheme", absent=""),
     "conserve": Parameter("what is conserved", absent=""),
     "time_rtol": Parameter("tolerance of the time steps", absent=-1.0, real=True),
-    "dt": Parameter("time step", r"$\Delta t$", "Δt", real=True),
+    "dt": Parameter("time step", r"$\Delta t$", "Δt", absent=math.nan, real=True),
 }
 """All parameters by the name of their coordinate, in the order of a run's path."""
 

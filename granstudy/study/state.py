@@ -1,12 +1,10 @@
 """How far a study is: its runs that are in the store, and its folder that shows them."""
 
-import json
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 from granstudy.runs.estimates import estimate_run
 from granstudy.runs.execute import label_of
@@ -14,7 +12,7 @@ from granstudy.runs.store import is_link, link, sidecar
 from granstudy.study.jobs import Job, jobs
 from granstudy.study.layout import Layout
 from granstudy.study.study import Member
-from granstudy.support.files import write_json
+from granstudy.support.files import read_json, write_json
 
 
 @dataclass(frozen=True)
@@ -76,15 +74,6 @@ class State:
                 if key != m.key and key in kept:
                     found[name] = key
         return found
-
-
-def read_json(path: Path) -> dict[str, Any]:
-    """What a file of JSON holds; {} where there is no such file, or a damaged one."""
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return content if isinstance(content, dict) else {}
 
 
 def check_owner(layout: Layout, file: str | Path) -> None:

@@ -12,6 +12,10 @@ class ToleranceError(ValueError):
     """A tolerance cannot be reached on the solver's grid."""
 
 
+class DamagedFileError(ValueError):
+    """A file of a dataset is damaged, or is none of granstudy's; the message names it and the remedy."""
+
+
 def unknown_name(what: str, name: object, allowed: Sequence[str]) -> ValueError:
     """Error that says what is unknown, its value, the names allowed, and the nearest of them."""
     return ValueError(

@@ -11,7 +11,7 @@ rule dataset:
     params:
         study=STUDY_FILE,
         results=RESULTS_FOLDER,
-        code=fingerprint(["granstudy.datasets.open_runs"]),
+        code=fingerprint(["granstudy.datasets.collected"]),
     message:
         "dataset {wildcards.experiment}"
     script:

@@ -1,11 +1,11 @@
-from granstudy.datasets.netcdf import write_dataset
-from granstudy.datasets.open_runs import open_runs
+from granstudy.datasets.collected import gather
 from granstudy.study.layout import Layout
 from granstudy.study.study import read_study
+from granstudy.support.files import read_json
 from granstudy.support.log import log_to
 
 log_to(snakemake.log[0])
-
 layout = Layout(read_study(snakemake.params.study), snakemake.params.results)
-runs = open_runs(layout.run_files(snakemake.wildcards.experiment), densities=False)
-write_dataset(runs.load(scheduler="synchronous"), snakemake.output[0], sidecar=False)
+keys = read_json(snakemake.input[0])
+name = snakemake.wildcards.experiment
+gather({key: layout.run_file(name, path) for path, key in keys.items()}, snakemake.output[0])

@@ -29,17 +29,18 @@ def draw_cooling(source: FigureSource) -> Figure:
     figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 0.4), layout="constrained")
     left, right = figure.subplots(1, 2)
     names = distinguishing(table, table.attrs["swept"].split())
-    with open_runs(source.row_files, densities=False) as runs:
-        time, T = runs["time"].values, runs["temperature"].values
-    every = max(1, time.size // SAMPLES)
-    sampled = np.unique(np.geomspace(1, time.size - 1, SAMPLES).astype(int))
+    runs = open_runs(source.row_files)
+    times, T = np.broadcast_arrays(runs["time"].values, runs["temperature"].values)
     for i in range(table.sizes["run"]):
+        time = times[i, np.isfinite(times[i])]
+        every = max(1, time.size // SAMPLES)
+        sampled = np.unique(np.geomspace(1, time.size - 1, SAMPLES).astype(int))
         colour = COLOURS[i % len(COLOURS)]
         label = ", ".join(f"{symbol(n)} = {table[n].values[i]}" for n in names)
         T0 = T[i, 0]
         look: dict[str, Any] = {"color": colour, "linestyle": "none", "marker": MARKERS[i % 4]}
         look |= {"markersize": 4.0, "markerfacecolor": "white"}
-        left.plot(time[::every], T[i, ::every], label=label, **look)
+        left.plot(time[::every], T[i, : time.size : every], label=label, **look)
         right.plot(time[sampled], np.sqrt(T0 / T[i, sampled]) - 1.0, **look)
         if "C0" in table:
             C0 = table["C0"].values[i]
@@ -64,8 +65,8 @@ def draw_slope(source: FigureSource) -> Figure:
     figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 1.0), layout="constrained")
     left, right = figure.subplots(1, 2)
     law = -2.0 / float(table["exponent"])
-    with open_runs(source.row_files, densities=False) as runs:
-        time, T = runs["time"].values[1:], runs["temperature"].values[:, 1:]
+    runs = open_runs(source.row_files)
+    times, T = np.broadcast_arrays(runs["time"].values, runs["temperature"].values)
     gases = list(dict.fromkeys(table["e"].values.tolist()))
     seen = dict.fromkeys(gases, 0)
     for i in range(table.sizes["run"]):
@@ -75,8 +76,10 @@ def draw_slope(source: FigureSource) -> Figure:
             label += f", {table['method'].values[i]}"
         look = {"color": COLOURS[gases.index(e) % len(COLOURS)], "linewidth": 1.6 + seen[e]}
         seen[e] += 1
-        left.plot(time, T[i], style, label=label, **look)
-        at, slope = local_slope(time, T[i])
+        there = np.isfinite(times[i])
+        time, temperature = times[i, there][1:], T[i, there][1:]
+        left.plot(time, temperature, style, label=label, **look)
+        at, slope = local_slope(time, temperature)
         right.plot(at, np.abs(slope - law), style, **look)
     right.axhline(ASKED, color="0.6", linewidth=0.8)
     left.set(xlabel="$t$", ylabel=symbol("temperature"), xscale="log", yscale="log")

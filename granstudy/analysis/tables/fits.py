@@ -12,8 +12,7 @@ from granstudy.analysis.columns import computed
 from granstudy.analysis.groups import groups, keys
 from granstudy.analysis.labels import families
 from granstudy.analysis.source import TableSource
-from granstudy.datasets.netcdf import run_seconds
-from granstudy.datasets.open_runs import open_runs
+from granstudy.datasets.netcdf import read_dataset, run_seconds
 from granstudy.support.errors import unknown_name
 from granstudy.theory import haff_temperature
 
@@ -143,8 +142,8 @@ def with_haff(table: xr.Dataset, source: TableSource) -> xr.Dataset:
     """Add C0 fitted to each run, its standard error, and C0 of theory for a Gaussian shape."""
     fitted = []
     for run, file in source.rows:
-        with open_runs([file]) as ds:
-            time, T = ds["time"].values, ds["temperature"].values[0]
+        ds = read_dataset(file)
+        time, T = ds["time"].values, ds["temperature"].values
         e, kernel = run.scene.restitution, run.scene.kernel
         C0 = (
             np.nan
@@ -159,8 +158,8 @@ def with_slope(table: xr.Dataset, source: TableSource) -> xr.Dataset:
     """Add d ln T/d ln t of the last decade, its distance from Haff's law, and the run's seconds."""
     found = []
     for run, file in source.rows:
-        with open_runs([file]) as ds:
-            time, T = ds["time"].values[1:], ds["temperature"].values[0, 1:]
+        ds = read_dataset(file)
+        time, T = ds["time"].values[1:], ds["temperature"].values[1:]
         at, slope = local_slope(time, T)
         late = slope[at > time[-1] / 10.0]
         distance = np.abs(late + 2.0 / run.scene.kernel.exponent).max()

@@ -1,9 +1,7 @@
 """Tables of evolutions, collisions and benchmarks."""
 
 from collections.abc import Sequence
-from contextlib import ExitStack
 
-import dask
 import numpy as np
 import xarray as xr
 
@@ -39,12 +37,9 @@ def evolution_table(source: TableSource) -> xr.Dataset:
     """
     assert isinstance(source.experiment, EvolutionExperiment)
     asked, fit, rows = source.experiment.table, source.experiment.fit, source.rows
-    # Before all files are open: netCDF4 has crashed where a file was opened twice.
     averages = _averages(rows, asked.average) if asked and asked.average else {}
-    with final_values([row.file for row in rows]) as final:
-        names = [name for name, v in final.data_vars.items() if v.dims == ("run",)]
-        # One thread: netCDF4 has crashed under several.
-        last = final[names].drop_vars(["reason", "warnings"]).load(scheduler="synchronous")
+    last = final_values([row.file for row in rows])
+    last = last[[name for name, v in last.data_vars.items() if v.dims == ("run",)]]
     check_quantity(source.quantity, last)
     ended = last["status"] == Status.OK
     last = last.map(lambda v: v.where(ended) if v.dtype.kind == "f" else v, keep_attrs=True)
@@ -57,23 +52,17 @@ def evolution_table(source: TableSource) -> xr.Dataset:
 def collision_table(source: TableSource) -> xr.Dataset:
     """Largest difference of Q from each run's reference, on all grid points."""
     rows, files = source.rows, source.by_path
-    with ExitStack() as stack:
-        Q: dict[str, xr.DataArray] = {}
-        for file in files.values():
-            ds = xr.open_dataset(file, engine="netcdf4", chunks={})
-            Q[file] = stack.enter_context(ds)["Q"]
-        references = [Q[files[run.reference.path]] for run, _ in rows]
-        errors = [
-            abs(Q[file] - reference).max()
-            for (_, file), reference in zip(rows, references, strict=True)
-        ]
-        largest = [abs(reference).max() for reference in references]
-        # One thread: netCDF4 has crashed under several.
-        errors, largest = dask.compute(errors, largest, scheduler="synchronous")
-    with final_values([file for _, file in rows]) as final:
-        table = final[["status"]].load()
-    error = np.array([value.item() for value in errors])
-    scale = np.array([value.item() for value in largest])
+    error, scale = np.empty((2, len(rows)))
+    references: dict[str, xr.DataArray] = {}
+    for i, (run, file) in enumerate(rows):
+        path = files[run.reference.path]
+        if path not in references:
+            # One at a time, so that memory does not grow with their number.
+            references = {path: read_dataset(path)["Q"]}
+        reference = references[path]
+        error[i] = abs(read_dataset(file)["Q"] - reference).max()
+        scale[i] = abs(reference).max()
+    table = final_values([file for _, file in rows])[["status"]]
     for name, values in (("collision_error", error), ("relative_error", error / scale)):
         table[name] = computed(name, values)
     return with_swept(table, rows)

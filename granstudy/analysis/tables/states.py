@@ -46,9 +46,7 @@ def state_table(source: TableSource) -> xr.Dataset:
     assert isinstance(source.experiment, StateExperiment)
     rows, state = source.rows, source.experiment.state
     names = ["temperature", "a2", "a3", "cooling_coefficient", "a2_error_estimate", "status"]
-    with final_values([file for _, file in rows]) as final:
-        # One thread: netCDF4 has crashed under several.
-        table = final[[*names, "trust"]].load(scheduler="synchronous")
+    table = final_values([file for _, file in rows])[[*names, "trust"]]
     table = with_swept(table.rename(a2_error_estimate="estimated_a2_error"), rows)
     others = dict(zip(source.experiment.beside_table, source.beside, strict=True))
     table.attrs |= {"state": state, "dim": rows[0].run.scene.dim, "beside": " ".join(others)}

@@ -36,8 +36,7 @@ def truth_table(source: TableSource) -> xr.Dataset:
     The attribute `truth` names the truths, and how well T and a2 are known by them.
     """
     rows, files = source.rows, source.by_path
-    with final_values([row.file for row in rows]) as final:
-        table = final[[*AT_THE_END, "trust", "status"]].load()
+    table = final_values([row.file for row in rows])[[*AT_THE_END, "trust", "status"]]
     columns: dict[str, list[float]] = {name: [] for name in MEASURES}
     sources: dict[str, None] = {}
     for run, file in rows:
