@@ -25,6 +25,21 @@ LAYOUT = Layout(STUDY, config.get("results", "results"))
 RESULTS = LAYOUT.results
 
 
+def each_attempt_more(amount):
+    """A resource of which a job that failed asks for twice, then three times as much."""
+    return lambda wildcards, attempt: amount * attempt
+
+
+# On a cluster all but runs and benchmarks stay where snakemake was started.
+localrules:
+    all,
+    plan,
+    table,
+    figure,
+    map,
+    notebook,
+
+
 # The map's files lie beside those of experiments, none of which has its name.
 wildcard_constraints:
     experiment=rf"(?!{MAP}\.)[^/]+",

@@ -14,8 +14,8 @@ for job in LAYOUT.jobs:
             "../envs/granstudy.yaml"
         threads: job.threads
         resources:
-            mem_mb=job.memory_mb,
-            runtime=job.minutes,
+            mem_mb=each_attempt_more(job.memory_mb),
+            runtime=each_attempt_more(job.minutes),
         params:
             study=STUDY_FILE,
             experiment=job.experiment,
@@ -36,7 +36,7 @@ rule benchmark:
         f"{RESULTS}/logs/{{experiment}}/benchmark.log",
     conda:
         "../envs/granstudy.yaml"
-    threads: workflow.cores
+    threads: lambda wildcards: workflow.cores
     params:
         study=STUDY_FILE,
         parameters=lambda wildcards: LAYOUT.benchmark_parameters(wildcards.experiment),
