@@ -1,4 +1,7 @@
-"""A Slurm cluster of one node on this machine, without accounting; `python tests/slurm_cluster.py COMMAND` runs a command in it."""
+"""A Slurm cluster of one node on this machine, without accounting.
+
+``python tests/slurm_cluster.py COMMAND`` starts one, runs a command in it, and stops it.
+"""
 
 import contextlib
 import os
@@ -17,7 +20,7 @@ from pathlib import Path
 
 import psutil
 
-DAEMONS = ("munged", "slurmctld", "slurmd")
+NEEDED = ("munged", "slurmctld", "slurmd", "srun", "setpriv")
 START_SECONDS = 30.0
 """How long the node may take until it is idle."""
 
@@ -55,6 +58,23 @@ class CannotStartError(RuntimeError):
 
 
 @dataclass(frozen=True)
+class Job:
+    """What squeue says of a job."""
+
+    rule: str
+    state: str
+    partition: str
+    memory_mb: int
+    minutes: float
+
+
+def _minutes(limit: str) -> float:
+    """Minutes of a time limit under a day, written [hours:]minutes:seconds."""
+    hours, minutes, seconds = ([0, 0] + [int(part) for part in limit.split(":")])[-3:]
+    return 60 * hours + minutes + seconds / 60
+
+
+@dataclass(frozen=True)
 class Cluster:
     """A running cluster; its commands need `environment`."""
 
@@ -63,8 +83,11 @@ class Cluster:
     @property
     def environment(self) -> dict[str, str]:
         """This process's environment, and where the cluster's configuration lies."""
-        sbin = os.pathsep.join([os.environ["PATH"], "/usr/sbin", "/sbin"])
-        return os.environ | {"PATH": sbin, "SLURM_CONF": str(self.folder / "slurm.conf")}
+        path = [str(self.folder / "bin"), os.environ["PATH"], "/usr/sbin", "/sbin"]
+        return os.environ | {
+            "PATH": os.pathsep.join(path),
+            "SLURM_CONF": str(self.folder / "slurm.conf"),
+        }
 
     def ask(self, *command: str) -> str:
         """What a Slurm command prints."""
@@ -72,23 +95,37 @@ class Cluster:
             command, env=self.environment, check=True, capture_output=True, text=True, timeout=60
         ).stdout
 
-    def states(self) -> dict[str, str]:
-        """State of each job that the controller still knows."""
-        lines = self.ask("squeue", "--states=all", "--noheader", "--format=%i %T").splitlines()
-        return dict(line.split() for line in lines)
+    def jobs(self) -> dict[str, Job]:
+        """The jobs that the controller still knows, by number, the oldest first."""
+        form = "%i %k %T %P %m %l"  # the plugin puts the rule into the comment, %k
+        asked = ["squeue", "--states=all", "--noheader", "--sort=i", f"--format={form}"]
+        jobs = {}
+        for line in self.ask(*asked).splitlines():
+            number, rule, state, partition, memory, limit = line.split()
+            jobs[number] = Job(rule, state, partition, int(memory.rstrip("M")), _minutes(limit))
+        return jobs
+
+    def pids(self, job: str) -> list[int]:
+        """Processes of a running job on the node."""
+        lines = self.ask("scontrol", "listpids", job).splitlines()[1:]
+        return [int(pid) for pid in (line.split()[0] for line in lines) if int(pid) > 0]
 
     def processes(self) -> list[psutil.Process]:
-        """All processes that run in the cluster's environment: daemons, jobs, and who submits them."""
+        """All that runs in the cluster: daemons, who submits jobs, jobs, and the daemons of jobs."""
+        # A job's daemon writes its title over its environment; it has a socket in the folder.
+        sockets = psutil.net_connections("unix")
+        listening = {each.pid for each in sockets if each.laddr.startswith(str(self.folder))}
         found = []
         for process in psutil.process_iter():
             with contextlib.suppress(psutil.Error):
-                if process.environ().get("SLURM_CONF") == self.environment["SLURM_CONF"]:
+                conf = process.environ().get("SLURM_CONF")
+                if conf == self.environment["SLURM_CONF"] or process.pid in listening:
                     found.append(process)
         return found
 
 
 @contextlib.contextmanager
-def slurm_cluster(cpus: int = 2, memory_mb: int = 4000) -> Iterator[Cluster]:
+def slurm_cluster(cpus: int = 2, memory_mb: int = 8000) -> Iterator[Cluster]:
     """Start a cluster of one node, and stop it with all that runs in it.
 
     All that it writes lies in a temporary folder. The node has these resources whatever the machine has.
@@ -108,13 +145,14 @@ def slurm_cluster(cpus: int = 2, memory_mb: int = 4000) -> Iterator[Cluster]:
 
 
 def _start(cluster: Cluster, cpus: int, memory_mb: int) -> None:
-    missing = [name for name in DAEMONS if not shutil.which(name, path=cluster.environment["PATH"])]
+    missing = [name for name in NEEDED if not shutil.which(name, path=cluster.environment["PATH"])]
     if missing:
         raise CannotStartError(f"not installed: {', '.join(missing)} (Debian: slurm-wlm, munge)")
     folder = cluster.folder
     folder.chmod(0o755)  # munged wants its socket to be reachable by all
-    for name in ("state", "spool"):
+    for name in ("state", "spool", "bin"):
         (folder / name).mkdir()
+    _write_srun(cluster)
     key = folder / "munge.key"
     key.touch(0o600)
     key.write_bytes(secrets.token_bytes(128))
@@ -144,6 +182,15 @@ def _start(cluster: Cluster, cpus: int, memory_mb: int) -> None:
         if command is munged:
             _wait(cluster, daemons, (folder / "munge.socket").exists)
     _wait(cluster, daemons, lambda: _node_is_idle(cluster))
+
+
+def _write_srun(cluster: Cluster) -> None:
+    """An srun that knows its configuration: the plugin calls it without most variables of Slurm."""
+    srun = shutil.which("srun", path=cluster.environment["PATH"])
+    file = cluster.folder / "bin" / "srun"
+    conf = cluster.environment["SLURM_CONF"]
+    file.write_text(f'#!/bin/sh\nSLURM_CONF={conf} exec {srun} "$@"\n')
+    file.chmod(0o755)
 
 
 def _daemon(cluster: Cluster, command: list[str]) -> subprocess.Popen:
@@ -195,6 +242,6 @@ def _stop(cluster: Cluster) -> None:
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     with slurm_cluster() as started:
-        signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
-        sys.exit(subprocess.run(sys.argv[1:], env=started.environment).returncode)
+        sys.exit(subprocess.run(sys.argv[1:], env=started.environment, check=False).returncode)

@@ -25,6 +25,10 @@ LAYOUT = Layout(STUDY, config.get("results", "results"))
 RESULTS = LAYOUT.results
 
 
+# A job of a cluster is two processes of Snakemake beside the one that computes: measured 180 MB each.
+SNAKEMAKE_MB = 400
+
+
 def each_attempt_more(amount):
     """A resource of which a job that failed asks for twice, then three times as much."""
     return lambda wildcards, attempt: amount * attempt

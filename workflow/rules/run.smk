@@ -14,7 +14,7 @@ for job in LAYOUT.jobs:
             "../envs/granstudy.yaml"
         threads: job.threads
         resources:
-            mem_mb=each_attempt_more(job.memory_mb),
+            mem_mb=each_attempt_more(SNAKEMAKE_MB + job.memory_mb),
             runtime=each_attempt_more(job.minutes),
         params:
             study=STUDY_FILE,
