@@ -30,10 +30,10 @@ EXPERIMENT = """
 """
 
 SMALL = "title: small\nexperiments:" + "".join(
-    EXPERIMENT.format(name=name, e=e, N="[8, 10, 12, 14]", t_final=0.1)
-    for name, e in (("inelastic", "[0.2]"), ("sticky", "[0.0]"), ("nearly_elastic", "[0.95]"))
+    EXPERIMENT.format(name=name, e=e, N="[8, 10, 12]", t_final=0.1)
+    for name, e in (("inelastic", "[0.2, 0.5]"), ("sticky", "[0.0, 0.01]"))
 )
-"""Twelve cheap runs in three jobs."""
+"""Twelve cheap runs in two jobs."""
 
 SLOW = "title: slow\nexperiments:" + EXPERIMENT.format(
     name="slow", e="[0.5]", N="[8, 128]", t_final=2.0
@@ -45,6 +45,9 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def cluster():
+    pytest.importorskip(
+        "snakemake_executor_plugin_slurm", reason="no plugin: pip install '.[slurm]'"
+    )
     try:
         with slurm_cluster() as started:
             yield started
@@ -66,8 +69,10 @@ def project(tmp_path):
 
 
 def start(project, environment, *arguments):
+    # A shell that starts the tests in the background makes them, and all that they start, ignore Ctrl-C.
+    heard = ["env", "--default-signal=INT"]
     return subprocess.Popen(
-        [sys.executable, "-m", "snakemake", *arguments],
+        [*heard, sys.executable, "-m", "snakemake", *arguments],
         cwd=project,
         env=environment | {"PYTHONPATH": str(project)},
         stdout=subprocess.PIPE,
@@ -95,21 +100,26 @@ def wait_for(condition, process):
     deadline = time.monotonic() + 120
     while not (found := condition()):
         assert process.poll() is None, process.communicate()[0]
-        assert time.monotonic() < deadline, f"{condition.__name__}: not within two minutes"
+        assert time.monotonic() < deadline, "not within two minutes"
         time.sleep(0.2)
     return found
 
 
-def first_run(project):
-    """Sidecar of the first run of the slow job, which is written once, when the run has been computed."""
-    return project / "results/slow/runs/slow/e~0.5/N~8.nc.json"
+def first_computed(project):
+    """When the first run of the slow job was computed: its sidecar is written then, and never again."""
+    return (project / "results/slow/runs/slow/e~0.5/N~8.nc.json").stat().st_mtime_ns
+
+
+def kept(project):
+    """What the slow job keeps for its next attempt."""
+    return list((project / "results/slow/runs/.unfinished/slow").glob("[!.]*.nc"))
 
 
 def started_and_computing(project, cluster, *arguments):
     """A slow study on its way: its process, and its job once that is in its second run."""
     before = cluster.jobs()
     process = submit(project, cluster, "slow.yaml", *arguments)
-    wait_for(first_run(project).exists, process)
+    wait_for(lambda: kept(project), process)
     (number,) = cluster.jobs().keys() - before.keys()
     return process, number
 
@@ -119,23 +129,22 @@ def test_a_study_runs_as_jobs_and_gives_the_tables_of_a_local_one(project, clust
     output = finish(submit(project, cluster, "small.yaml"))
     jobs = [job for number, job in cluster.jobs().items() if number not in before]
     # Tables and figures are made where snakemake was started.
-    assert {job.rule for job in jobs} == {
-        f"rule_run_{name}_1" for name in ("inelastic", "sticky", "nearly_elastic")
-    }
+    assert sorted(job.rule for job in jobs) == ["rule_run_inelastic_1", "rule_run_sticky_1"]
     assert all(job.state == "COMPLETED" for job in jobs), output
     assert len(list((project / "results/small/runs").rglob("*.nc"))) == 12
-    assert len(list((project / "results/small/figures").glob("*.png"))) == 3
+    assert len(list((project / "results/small/figures").glob("*.png"))) == 2
 
-    local = ["--cores", "2", "--config", "study=small.yaml", "results=here"]
-    finish(start(project, os.environ, *local))
+    tables = [f"here/small/tables/{name}.csv" for name in ("inelastic", "sticky")]
+    config = ["--config", "study=small.yaml", "results=here"]
+    finish(start(project, os.environ, "--cores", "2", *tables, *config))
     report = compare_folders(project / "results/small/tables", project / "here/small/tables")
-    assert len({table for table, *_ in report}) == 3
+    assert len({table for table, *_ in report}) == 2
     assert all(grade is Grade.OK for *_, grade, _ in report), report
 
 
 def test_a_job_killed_on_its_node_is_tried_again_with_more_memory_and_time(project, cluster):
     process, number = started_and_computing(project, cluster)
-    computed = first_run(project).stat().st_mtime_ns
+    computed = first_computed(project)
     for pid in cluster.pids(number):
         os.kill(pid, signal.SIGKILL)
     finish(process)
@@ -145,7 +154,7 @@ def test_a_job_killed_on_its_node_is_tried_again_with_more_memory_and_time(proje
     assert killed.rule == again.rule == "rule_run_slow_1"
     assert (again.memory_mb, again.minutes) == (2 * killed.memory_mb, 2 * killed.minutes)
     # The second attempt went on where the first stopped.
-    assert first_run(project).stat().st_mtime_ns == computed
+    assert first_computed(project) == computed
     assert read_dataset(project / "results/slow/runs/slow/e~0.5/N~128.nc")["status"] == 0
     assert (project / "results/slow/figures/slow.png").exists()
 
@@ -153,11 +162,11 @@ def test_a_job_killed_on_its_node_is_tried_again_with_more_memory_and_time(proje
 def test_ctrl_c_cancels_the_jobs_and_the_same_command_goes_on(project, cluster):
     partition = ["--default-resources", "slurm_partition=long"]
     process, number = started_and_computing(project, cluster, *partition)
-    computed = first_run(project).stat().st_mtime_ns
+    computed = first_computed(project)
     os.killpg(process.pid, signal.SIGINT)
     finish(process, succeeds=False)
     cancelled = cluster.jobs()[number]
     assert (cancelled.state, cancelled.partition) == ("CANCELLED", "long")
     finish(submit(project, cluster, "slow.yaml"))
-    assert first_run(project).stat().st_mtime_ns == computed
+    assert first_computed(project) == computed
     assert (project / "results/slow/figures/slow.png").exists()
