@@ -58,6 +58,25 @@ def receipts_by_experiment():
     return {name: list(receipts) for name, receipts in waited.items()}
 
 
+# A job of a cluster is two processes of Snakemake beside the one that computes: measured 180 MB each.
+SNAKEMAKE_MB = 400
+
+
+def each_attempt_more(amount):
+    """A resource of which a job that failed asks for twice, then three times as much."""
+    return lambda wildcards, attempt: amount * attempt
+
+
+# On a cluster all but runs and benchmarks stay where snakemake was started.
+localrules:
+    all,
+    plan,
+    table,
+    figure,
+    map,
+    notebook,
+
+
 # The map's files lie beside those of experiments, none of which has its name.
 wildcard_constraints:
     experiment=rf"(?!{MAP}\.)[^/]+",

@@ -15,8 +15,8 @@ for job in JOBS.values():
             "../envs/granstudy.yaml"
         threads: job.threads
         resources:
-            mem_mb=job.memory_mb,
-            runtime=job.minutes,
+            mem_mb=each_attempt_more(SNAKEMAKE_MB + job.memory_mb),
+            runtime=each_attempt_more(job.minutes),
         params:
             study=STUDY_FILE,
             results=RESULTS_FOLDER,
@@ -56,7 +56,7 @@ rule benchmark:
         f"{RESULTS}/logs/{{experiment}}/benchmark.log",
     conda:
         "../envs/granstudy.yaml"
-    threads: workflow.cores
+    threads: lambda wildcards: workflow.cores
     params:
         study=STUDY_FILE,
         parameters=lambda wildcards: LAYOUT.benchmark_parameters(wildcards.experiment),
