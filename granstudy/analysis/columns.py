@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from granstudy.datasets.parameters import PARAMETERS
+from granstudy.datasets.parameters import PARAMETERS, parameter
 from granstudy.support.variables import Variable
 
 
@@ -321,10 +321,15 @@ def reading_order(
     return sorted(names, key=place)
 
 
+def parameter_heading(name: str) -> str:
+    """Heading of a parameter in Markdown; an argument of the user's own function has its name."""
+    return parameter(name).heading or name
+
+
 def heading(name: str) -> str:
     """Heading of a parameter or a column in Markdown."""
     if name in PARAMETERS:
-        return PARAMETERS[name].heading or name
+        return parameter_heading(name)
     own = COLUMNS[name].heading if name in COLUMNS else ""
     return own or name.replace("_", " ")
 

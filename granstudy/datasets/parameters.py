@@ -79,23 +79,11 @@ PARAMETERS: dict[str, Parameter] = {
     "frame": Parameter("frame of velocities", absent=""),
     "scheme": Parameter("time scheme", absent=""),
     "conserve": Parameter("what is conserved", absent=""),
+    "t_final": Parameter("final time", r"$t_\mathrm{final}$", absent=math.nan, real=True),
     "time_rtol": Parameter("tolerance of the time steps", absent=-1.0, real=True),
     "dt": Parameter("time step", r"$\Delta t$", "Δt", absent=math.nan, real=True),
 }
 """All parameters by the name of their coordinate, in the order of a run's path."""
-
-OF_SCENES = {
-    *("scene", "restitution", "A", "strength", "initial_temperature", "initial_velocity"),
-    *("separation", "tail"),
-}
-"""Parameters that a study file says in an experiment's scene, and does not sweep."""
-
-SWEPT = tuple(
-    name
-    for name, parameter in PARAMETERS.items()
-    if not parameter.follows and name not in OF_SCENES
-)
-"""Parameters that a study can sweep."""
 
 ABSENT = {name: p.absent for name, p in PARAMETERS.items() if p.absent is not None}
 """Values that stand for a parameter in runs without it, beside runs with it."""

@@ -160,7 +160,8 @@ class TimeSettings:
         """The parameters of time that a study sweeps, by name (`granstudy.datasets.parameters`)."""
         step = {"dt": self.dt} if self.time_rtol is None else {"time_rtol": self.time_rtol}
         conserve = "-".join(self.conserve) or "none"
-        return {"frame": self.frame, "scheme": self.scheme, "conserve": conserve, **step}
+        named = {"frame": self.frame, "scheme": self.scheme, "conserve": conserve}
+        return {**named, "t_final": float(self.t_final), **step}
 
 
 def check_frame(scene: Scene, solver: Solver, settings: TimeSettings) -> None:

@@ -4,14 +4,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
 from granstudy.evolution.times import TimeSettings
-from granstudy.model.kernel import VHS
 from granstudy.model.load_scene import load_scene
 from granstudy.model.methods import METHODS, PARTICLES
-from granstudy.model.restitution import Viscoelastic
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.runs.computation import Computation
@@ -23,14 +22,15 @@ from granstudy.study.schema.experiment import (
     TimingModel,
 )
 from granstudy.study.schema.generated import Section
-from granstudy.study.schema.sections import SolverModel, TimeModel, TimesModel, ViscoelasticModel
-from granstudy.velocity.sphere import sphere_area
+from granstudy.study.schema.sections import SolverModel, TimeModel, TimesModel
+from granstudy.study.schema.words import COORDINATES
+from granstudy.support.own_code.load import is_reference
 
-SHARED_WITH_REFERENCE = ("e", "exponent", "diffusion", "N", "R", "N_rho")
-"""What a run's reference takes over from the run: all but the rule on the sphere."""
+SHARED_WITH_REFERENCE = ("N", "R", "N_rho")
+"""What a run's reference takes over from its solver: all but the rule on the sphere."""
 
-SHARED_WITH_TRUTH = ("e", "exponent", "diffusion")
-"""What a run's truth takes over from it: what is modelled."""
+SHARED_WITH_TRUTH = ("t_final",)
+"""What a run's truth takes over from its times."""
 
 NOT_SHARED = ("rtol", "precision", "device")
 """Settings of an experiment's solver that its reference does not take over; it says its own."""
@@ -47,15 +47,19 @@ class Run:
     model : Experiment
         What the study file says of it.
     values : tuple of (str, value)
-        The swept parameters, in the order of `granstudy.datasets.parameters.SWEPT`.
+        The swept parameters, in the order of `granstudy.study.schema.words.SWEPT`; then arguments of the
+        user's own functions.
     is_reference : bool
         Whether other runs are measured against this one.
+    folder : Path
+        Folder of the study file, which files named in it are looked for in.
     """
 
     experiment: str
     model: Experiment
     values: tuple[tuple[str, Any], ...]
     is_reference: bool = False
+    folder: Path = Path()
 
     def __hash__(self) -> int:
         return hash((self.experiment, self.path))
@@ -78,7 +82,7 @@ class Run:
             return replace(self, values=tuple(values.items()), is_reference=True)
         assert self._reference_model is not None
         fixed = self._reference_model.model_fields_set
-        shared = self._values_of(key for key in SHARED_WITH_REFERENCE if key not in fixed)
+        shared = self._shared(key for key in SHARED_WITH_REFERENCE if key not in fixed)
         return replace(self, values=tuple(shared.items()), is_reference=True)
 
     @property
@@ -106,9 +110,11 @@ class Run:
             "solver": truth.solver,
             "time": time.model_copy(update=_set(truth.time)),
             "truth": None,
+            "refine": None,
         }
-        shared = tuple(self._values_of(SHARED_WITH_TRUTH).items())
-        return Run(self.experiment, model.model_copy(update=update), shared, is_reference=True)
+        shared = tuple(self._shared(SHARED_WITH_TRUTH).items())
+        changed = model.model_copy(update=update)
+        return Run(self.experiment, changed, shared, is_reference=True, folder=self.folder)
 
     @property
     def measured_against(self) -> "list[Run]":
@@ -130,6 +136,11 @@ class Run:
         own = self.solver.describe() | dict(self.values)
         return all(own.get(key) == value for key, value in values.items())
 
+    def _shared(self, keys: Iterable[str]) -> dict[str, Any]:
+        """The swept values of what is modelled, and of these parameters."""
+        others = {*SolverModel.model_fields, *TimeModel.model_fields} - set(keys)
+        return {key: value for key, value in self.values if key not in others}
+
     def _values_of(self, keys: Iterable[str]) -> dict[str, Any]:
         """The swept values of these parameters, in the order of the run's own."""
         wanted = set(keys)
@@ -138,19 +149,21 @@ class Run:
     @cached_property
     def scene(self) -> Scene:
         """The scene with this run's swept values."""
-        model, swept = self.model.scene, dict(self.values)
-        base = load_scene(model.name, **model.density)
-        exponent = swept.get("exponent", model.exponent)
-        strength = 1.0 / sphere_area(base.dim) if model.strength is None else model.strength
-        diffusion = swept.get("diffusion", model.diffusion)
-        return Scene(
-            dim=base.dim,
-            initial=base.initial,
-            kernel=VHS(0.0 if exponent is None else exponent, strength),
-            restitution=_restitution(swept.get("e", model.restitution)),
-            diffusion=base.diffusion if diffusion is None else diffusion,
-            symmetry=swept.get("symmetry", model.symmetry),
-        )
+        solver_and_time = {*SolverModel.model_fields, *TimeModel.model_fields}
+        swept = {
+            COORDINATES.get(key, key): value
+            for key, value in self.values
+            if key not in solver_and_time
+        }
+        words = self.model.scene.words
+        name = swept.pop("scene", self.model.scene.name)
+        for one, other in (("e", "restitution"), ("restitution", "e")):
+            if one in swept:
+                words.pop(other, None)
+        words |= swept
+        if "e" not in words and "restitution" not in words and not is_reference(name):
+            raise ValueError("e: set scene.e or sweep e")
+        return load_scene(name, beside=self.folder, **words)
 
     @cached_property
     def solver(self) -> Solver:
@@ -163,6 +176,12 @@ class Run:
         reference = self._reference_model
         if self.is_reference and reference is not None and "method" not in swept:
             settings = _without(settings, NOT_SHARED) | reference.model_dump(exclude_unset=True)
+        refine = getattr(self.model, "refine", None)
+        if refine is not None and not self.is_reference:
+            settings[refine.refinement.over] = refine.refinement.values[0]
+        rule = settings.get("sphere_rule")
+        if isinstance(rule, str) and (self.folder / rule).is_file():
+            settings["sphere_rule"] = str(self.folder / rule)
         may_be_open = "rtol" in settings and _takes(settings, "rtol")
         for needed in ("N", "R"):
             if needed not in settings and not may_be_open:
@@ -180,7 +199,7 @@ class Run:
         if "dt" not in fields and "time_rtol" not in fields:
             raise ValueError("dt: set time.dt or sweep dt, or set or sweep time_rtol")
         if isinstance(model.times, TimesModel):
-            fields["times"] = model.times.outputs(model.t_final)
+            fields["times"] = model.times.outputs(fields["t_final"])
         if "conserve" in fields:
             fields["conserve"] = _conserved(fields["conserve"])
         return fields
@@ -198,14 +217,9 @@ class Run:
     def computation(self) -> Computation:
         """What the run computes, whichever study asks for it."""
         fields = self.time_fields if self._evolves else None
-        return Computation(self.model.computes, self.scene, self.solver, fields)
-
-
-def _restitution(value: Any) -> Any:
-    """A scene's restitution out of a study file's."""
-    if value is None:
-        raise ValueError("e: set scene.restitution or sweep e")
-    return Viscoelastic(value.viscoelastic) if isinstance(value, ViscoelasticModel) else value
+        refine = None if self.is_reference else getattr(self.model, "refine", None)
+        ladder = None if refine is None else refine.refinement
+        return Computation(self.model.computes, self.scene, self.solver, fields, refinement=ladder)
 
 
 def _takes(settings: dict[str, Any], field: str) -> bool:
@@ -234,6 +248,6 @@ def canonical(value: Any) -> str:
     if isinstance(value, list):
         return "x".join(map(canonical, value))
     if isinstance(value, float):
-        plain = Decimal(repr(value)).normalize()
+        plain = Decimal(repr(value + 0.0)).normalize()  # −0.0 is 0.0
         return format(plain, "f")
     return quote(str(value), safe="")

@@ -7,13 +7,19 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from granstudy.datasets.parameters import PARAMETERS, SWEPT
+from granstudy.datasets.parameters import parameter
 from granstudy.runs.kinds import KINDS
 from granstudy.runs.run_key import run_keys
 from granstudy.study.checks import check_run
 from granstudy.study.run import Run
-from granstudy.study.schema.experiment import BenchmarkExperiment, Experiment, TimingModel
+from granstudy.study.schema.experiment import (
+    BenchmarkExperiment,
+    Experiment,
+    TimingModel,
+    values_of,
+)
 from granstudy.study.schema.file import StudyFile, read_study_file
+from granstudy.study.schema.words import SWEPT, coordinate
 from granstudy.support.errors import unknown_name
 
 
@@ -89,11 +95,11 @@ def load_study(path: str | Path) -> Study:
 
 def read_study(path: str | Path) -> Study:
     """Read a study file that was checked before, so that its runs need no check."""
-    model = read_study_file(path)
+    model, folder = read_study_file(path), Path(path).parent
     runs = {}
     for name, experiment in model.experiments.items():
         try:
-            runs[name] = {run.path: run for run in _expand(name, experiment)}
+            runs[name] = {run.path: run for run in _expand(name, experiment, folder)}
         except ValueError as error:
             raise ValueError(f"{path}: experiments.{name}: {error}") from None
     return Study(Path(path).stem, model, runs)
@@ -127,19 +133,18 @@ def _check_baseline(name: str, timing: TimingModel, runs: list[Run]) -> None:
         )
 
 
-def _expand(name: str, experiment: Experiment) -> Iterator[Run]:
+def _expand(name: str, experiment: Experiment, folder: Path) -> Iterator[Run]:
     """The runs of an experiment, each before those that it is measured against."""
     for block in experiment.sweep:
-        keys = [key for key in SWEPT if key in block]
-        lists = [_as_list(key, block[key]) for key in keys]
+        keys = sorted(block, key=lambda key: SWEPT.index(key) if key in SWEPT else len(SWEPT))
+        lists = [_values(key, block[key]) for key in keys]
         for values in itertools.product(*lists):
-            run = Run(name, experiment, tuple(zip(keys, values, strict=True)))
+            run = Run(name, experiment, tuple(zip(keys, values, strict=True)), folder=folder)
             yield run
             yield from run.measured_against
 
 
-def _as_list(key: str, value: Any) -> list[Any]:
+def _values(key: str, entry: Any) -> list[Any]:
     """The values of one sweep entry; whole numbers of real parameters become real."""
-    values = value if isinstance(value, list) else [value]
-    real = PARAMETERS[key].real
-    return [float(v) if real and type(v) is int else v for v in values]
+    real = parameter(coordinate(key)).real
+    return [float(v) if real and type(v) is int else v for v in values_of(entry)]

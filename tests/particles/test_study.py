@@ -14,7 +14,7 @@ experiments:
   cooling:
     title: cooling
     run: evolution
-    scene: {name: maxwellian3d, exponent: 1.0, epsilon: 0.0, restitution: 0.5}
+    scene: {name: maxwellian3d, exponent: 1.0, diffusion: 0.0, restitution: 0.5}
     solver: {method: dsmc, N: 16, R: 7.0, seed: 1}
     time: {t_final: 0.4, dt: 0.1}
     sweep:

@@ -28,7 +28,7 @@ experiments:
     title: cooling
     run: state
     state: cooling
-    scene: {name: maxwellian3d, exponent: 1.0, epsilon: 0.0}
+    scene: {name: maxwellian3d, exponent: 1.0, diffusion: 0.0}
     solver: {N: 16, R: 8.0, method: radial}
     sweep:
       - {e: 0.5}

@@ -23,7 +23,7 @@ experiments:
     sweep:
       - e: [0.5, 0.6, 0.7, 0.8, 0.9]
         exponent: [0.0, 0.25, 0.5, 0.75, 1.0]
-        epsilon: [0.0, 0.001]
+        diffusion: [0.0, 0.001]
 """
 
 

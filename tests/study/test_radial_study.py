@@ -14,7 +14,7 @@ experiments:
   cooling:
     title: cooling
     run: evolution
-    scene: {name: maxwellian3d, exponent: 1.0, epsilon: 0.0}
+    scene: {name: maxwellian3d, exponent: 1.0, diffusion: 0.0}
     solver: {method: radial, N: 16, R: 7.0}
     time: {t_final: 0.5, dt: 0.05, save_every: 10}
     sweep:

@@ -14,7 +14,7 @@ experiments:
   cooling:
     title: cooling
     run: evolution
-    scene: {name: bkw3d, epsilon: 1.0e-6}
+    scene: {name: bkw3d, diffusion: 1.0e-6}
     solver: {R: 7.0, N_rho: 8}
     time: {t_final: 1.0, dt: 0.1}
     sweep:
@@ -105,7 +105,7 @@ def test_a_run_outside_the_study(load):
             "rnu: evolution",
             "experiments.cooling.rnu: unknown field .did you mean",
         ),
-        ("epsilon: 1.0e-6", "epsilom: 1", "scene.epsilom: unknown field .did you mean 'epsilon'"),
+        ("diffusion: 1.0e-6", "epsilom: 1", "scene.epsilom: unknown field .did you mean 'epsilon'"),
         ("N_rho: 8}", "N_roh: 8}", "solver.N_roh: unknown field .did you mean 'N_rho'"),
         ("t_final: 1", "t_finl: 1", "time.t_finl: unknown field .did you mean 't_final'"),
         ("quantity: ", "quantitiy: ", "table.quantitiy: unknown field .did you mean 'quantity'"),

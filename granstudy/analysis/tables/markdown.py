@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from granstudy.analysis.columns import column, heading
+from granstudy.analysis.columns import column, heading, parameter_heading
 from granstudy.analysis.groups import groups, keys
 from granstudy.analysis.labels import PAPERS_OWN, families
 from granstudy.datasets.parameters import ABSENT
@@ -76,7 +76,7 @@ def _long(table: xr.Dataset, swept: list[str]) -> tuple[list[str], list[list[str
         [*cells, *(_number(table, name, i) for name in names)]
         for i, cells in enumerate(_cells(table, swept))
     ]
-    return [heading(name) for name in (*swept, *names)], lines
+    return [*map(parameter_heading, swept), *map(heading, names)], lines
 
 
 def _across(table: xr.Dataset, swept: list[str], across: str) -> tuple[list[str], list[list[str]]]:
@@ -168,7 +168,7 @@ def _legend(table: xr.Dataset) -> list[str]:
     for reason in dict.fromkeys(table["reason"].values) if "reason" in table else ():
         lines += ["", f"failed: {reason}."] if reason else []
     fixed = [
-        f"{heading(str(name))} = {c.item()}"
+        f"{parameter_heading(str(name))} = {c.item()}"
         for name, c in table.coords.items()
         if c.ndim == 0 and c.item() != -1
     ]

@@ -13,6 +13,7 @@ from granstudy.datasets.open_runs import final_values
 from granstudy.model.methods import METHODS
 from granstudy.particles.dataset import time_average
 from granstudy.study.schema.experiment import AverageModel, EvolutionExperiment
+from granstudy.study.schema.words import coordinate
 from granstudy.support.errors import unknown_name
 from granstudy.support.variables import Variable, labelled
 from granstudy.trust.flags import Status
@@ -87,7 +88,7 @@ def check_quantity(quantity: str, table: xr.Dataset) -> None:
 
 def with_swept(table: xr.Dataset, rows: Sequence[Row]) -> xr.Dataset:
     """Keep swept parameters along ``run``; one value of each other one."""
-    swept = [key for key, _ in rows[0].run.values]
+    swept = [coordinate(key) for key, _ in rows[0].run.values]
     if "M_sph" in swept and "N_theta" in table.coords and (table["N_theta"] > 0).any():
         swept[swept.index("M_sph") + 1 : swept.index("M_sph") + 1] = ["N_theta", "N_phi"]
     along = [str(name) for name, c in table.coords.items() if c.dims == ("run",)]

@@ -4,9 +4,10 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
-from granstudy.datasets.parameters import SWEPT
-from granstudy.study.schema.generated import Section, renamed
+from granstudy.study.schema.generated import OLD_WORDS, Section, renamed
 from granstudy.study.schema.sections import (
+    RangeModel,
+    RefineModel,
     SceneFields,
     SceneModel,
     SolverModel,
@@ -14,7 +15,9 @@ from granstudy.study.schema.sections import (
     TimeModel,
     Value,
 )
+from granstudy.study.schema.words import SWEPT
 from granstudy.support.errors import nearest
+from granstudy.support.own_code.load import is_reference
 
 
 class TruthModel(Section):
@@ -121,6 +124,13 @@ class FigureModel(Section):
     )
 
 
+def values_of(entry: Any) -> list[Any]:
+    """The values of one entry of a sweep: a range's, a list's, or the one value itself."""
+    if isinstance(entry, RangeModel):
+        return list(entry.values())
+    return entry if isinstance(entry, list) else [entry]
+
+
 class ExperimentBase(Section):
     """What experiments of every kind have: a scene and a solver, swept."""
 
@@ -133,8 +143,8 @@ class ExperimentBase(Section):
     solver: SolverModel = SolverModel()
     threads: Annotated[int, Field(ge=1, description="cores a run takes")] = 1
     sweep: Annotated[
-        list[dict[str, Value | list[Value]]],
-        Field(min_length=1, description="blocks; each the product of its lists"),
+        list[dict[str, RangeModel | Value | list[Value]]],
+        Field(min_length=1, description="blocks; each the product of its lists and ranges"),
     ]
     table: TableModel | None = None
     fit: FitModel | None = None
@@ -172,18 +182,41 @@ class ExperimentBase(Section):
 
     @model_validator(mode="after")
     def _sweeps_parameters(self) -> "ExperimentBase":
-        keys = [tuple(k for k in SWEPT if k in block) for block in self.sweep]
-        for key in (key for block in self.sweep for key in block):
-            if key not in SWEPT:
-                raise ValueError(
-                    f"sweep: unknown parameter {key!r}{nearest(key, SWEPT)}: "
-                    f"allowed are {', '.join(SWEPT)}"
-                )
-            if key in TimeModel.model_fields and "time" not in type(self).model_fields:
-                raise ValueError(f"sweep: {key!r} is of times, which only evolution runs have")
+        keys = [tuple(sorted(block)) for block in self.sweep]
+        for block in self.sweep:
+            for key, entry in block.items():
+                self._check_swept(key, values_of(entry))
         if len(set(keys)) > 1 and self.same_parameters:
             raise ValueError(f"sweep: all blocks must set the same parameters, got {keys}")
         return self
+
+    def _check_swept(self, key: str, values: list[Any]) -> None:
+        if not values:
+            raise ValueError(f"sweep.{key}: is empty; give at least one value")
+        names = any(key == "scene" and is_reference(value) for value in values)
+        if key not in SWEPT and not (self._has_own_code or names):
+            allowed = [name for name in SWEPT if self._takes(name)]
+            raise ValueError(
+                f"sweep: unknown parameter {key!r}{nearest(key, [*allowed, *OLD_WORDS])}: allowed are "
+                f"{', '.join(allowed)}"
+            )
+        if not self._takes(key):
+            raise ValueError(f"sweep: {key!r} is of times, which only evolution runs have")
+
+    def _takes(self, key: str) -> bool:
+        """Whether runs of the kind have a parameter."""
+        return key not in TimeModel.model_fields or "time" in type(self).model_fields
+
+    @property
+    def _has_own_code(self) -> bool:
+        """Whether some run's density or law is a function of the user, whose arguments can be swept."""
+        swept = [
+            value
+            for block in self.sweep
+            for key in ("scene", "restitution")
+            for value in (values_of(block[key]) if key in block else [])
+        ]
+        return self.scene.has_own_code or any(map(is_reference, swept))
 
     @model_validator(mode="after")
     def _shows_a_truth_it_has(self) -> "ExperimentBase":
@@ -197,6 +230,9 @@ class EvolutionExperiment(ExperimentBase):
 
     run: Literal["evolution"]
     time: TimeModel
+    refine: Annotated[
+        RefineModel | None, Field(description="a ladder of grids that every run goes up")
+    ] = None
     truth: Annotated[
         TruthModel | None,
         Field(description="what T and a2 of the runs are held against"),
@@ -241,6 +277,9 @@ class StateExperiment(ExperimentBase):
 
     run: Literal["state"]
     state: Annotated[Literal["cooling", "heated"], Field(description="which state")]
+    refine: Annotated[
+        RefineModel | None, Field(description="a ladder of grids that every run goes up")
+    ] = None
     table: StateTableModel | None = None
 
     @property

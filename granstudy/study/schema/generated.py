@@ -2,6 +2,7 @@
 
 import dataclasses
 import re
+import warnings
 from collections import defaultdict
 from collections.abc import Callable
 from functools import reduce
@@ -33,6 +34,12 @@ def renamed(words: dict[str, Any]) -> dict[str, Any]:
     for old, new in OLD_WORDS.items():
         if old in words and new in words:
             raise ValueError(f"{old}, {new}: both say the same; give {new}")
+        if old in words:
+            warnings.warn(
+                f"{old}: is called {new} now, in study files as in Python; it is still read",
+                FutureWarning,
+                stacklevel=2,
+            )
     return {OLD_WORDS.get(name, name): value for name, value in words.items()}
 
 

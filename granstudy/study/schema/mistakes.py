@@ -7,7 +7,7 @@ from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
 from granstudy.study.schema.experiment import Experiment
-from granstudy.study.schema.generated import Section
+from granstudy.study.schema.generated import OLD_WORDS, Section
 from granstudy.support.errors import nearest, unknown_name
 
 
@@ -112,7 +112,8 @@ def _without_kind(where: str, experiment: dict[str, Any]) -> list[str]:
 
 
 def _unknown(name: object, known: list[str]) -> str:
-    return f"unknown field{nearest(str(name), known)}; allowed are {', '.join(known)}"
+    close = nearest(str(name), [*known, *OLD_WORDS])
+    return f"unknown field{close}; allowed are {', '.join(known)}"
 
 
 def taken_by(path: Sequence[str]) -> str:

@@ -13,7 +13,7 @@ experiments:
   haff:
     title: haff
     run: evolution
-    scene: {name: maxwellian3d, exponent: 1.0, epsilon: 0.0}
+    scene: {name: maxwellian3d, exponent: 1.0, diffusion: 0.0}
     solver: {N: 16, R: 7.0, method: radial}
     time: {t_final: 1.0e+5, time_rtol: 1.0e-5, frame: rescaled, times: {first: 0.1, per_decade: 5}}
     sweep:

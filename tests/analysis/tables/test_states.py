@@ -22,7 +22,7 @@ experiments:
     title: cooling
     run: state
     state: cooling
-    scene: {name: maxwellian3d, exponent: 1.0, epsilon: 0.0}
+    scene: {name: maxwellian3d, exponent: 1.0, diffusion: 0.0}
     solver: {N: 24, R: 9.0, method: radial}
     sweep:
       - {e: [0.6, 0.8]}
@@ -31,7 +31,7 @@ experiments:
   particles:
     title: particles
     run: evolution
-    scene: {name: maxwellian3d, exponent: 1.0, epsilon: 0.0}
+    scene: {name: maxwellian3d, exponent: 1.0, diffusion: 0.0}
     solver: {N: 16, R: 7.0, method: dsmc, particles: 2000, batches: 10}
     time: {t_final: 40.0, time_rtol: 1.0e-6, times: {first: 10.0, per_decade: 20}}
     sweep:
@@ -41,7 +41,7 @@ experiments:
     title: maxwell
     run: state
     state: heated
-    scene: {name: maxwellian2d, exponent: 0.0, epsilon: 0.1}
+    scene: {name: maxwellian2d, exponent: 0.0, diffusion: 0.1}
     solver: {method: radial}
     sweep:
       - {e: [0.7, 0.9], N: 14, R: 8.0}
@@ -51,7 +51,7 @@ experiments:
   marching:
     title: marching
     run: evolution
-    scene: {name: maxwellian2d, exponent: 0.0, epsilon: 0.06375}
+    scene: {name: maxwellian2d, exponent: 0.0, diffusion: 0.06375}
     solver: {N: 24, R: 9.0, method: radial}
     time: {t_final: 150.0, time_rtol: 1.0e-8}
     sweep:
@@ -61,7 +61,7 @@ experiments:
     title: direct
     run: state
     state: heated
-    scene: {name: maxwellian2d, exponent: 0.0, epsilon: 0.06375}
+    scene: {name: maxwellian2d, exponent: 0.0, diffusion: 0.06375}
     solver: {N: 40, R: 9.0, method: auto}
     sweep:
       - {e: 0.7}
@@ -178,7 +178,7 @@ def test_keys_of_states_are_their_own(made, tmp_path):
         ("state: cooling", "state: coling", "experiments.cooling.state: value 'coling'"),
         ("{e: [0.6, 0.8]}", "{e: [0.6], dt: 0.1}", "sweep: 'dt' is of times, which only evolution"),
         ("{e: [0.6, 0.8]}", "{e: [0.6, 1.0]}", "restitution=1.0: must be below 1"),
-        ("{e: [0.6, 0.8]}", "{e: 0.6, epsilon: 0.1}", "diffusion=0.1: a cooling state has none"),
+        ("{e: [0.6, 0.8]}", "{e: 0.6, diffusion: 0.1}", "diffusion=0.1: a cooling state has none"),
         ("method: radial}", "method: dsmc, particles: 1000}", "particles have no equation"),
         (
             "beside: [particles]",

@@ -19,18 +19,18 @@ experiments:
   law:
     title: an exact law
     run: evolution
-    scene: {name: bkw2d, restitution: 0.5, epsilon: 0.1}
+    scene: {name: bkw2d, restitution: 0.5, diffusion: 0.1}
     solver: {method: radial}
     time: {t_final: 2.0, time_rtol: 1.0e-7, times: [0.5, 1.0], frame: fixed, save_every: 9}
     truth: {law: maxwell}
     sweep:
-      - {epsilon: [0.1, 0.2], N: [8, 24], R: [9.0]}
+      - {diffusion: [0.1, 0.2], N: [8, 24], R: [9.0]}
     table: {quantity: largest_a2_error}
     figure: {kind: gallery}
   run:
     title: another run
     run: evolution
-    scene: {name: maxwellian2d, restitution: 0.5, exponent: 1.0, epsilon: 0.0}
+    scene: {name: maxwellian2d, restitution: 0.5, exponent: 1.0, diffusion: 0.0}
     solver: {method: radial, R: 9.0, N: 24}
     time: {t_final: 2.0, frame: fixed, save_every: 9}
     truth:
@@ -68,7 +68,7 @@ def test_a_truth_is_computed_once_for_each_gas(made):
 
 def test_the_law_starts_from_the_density_not_from_the_grid(made):
     table, files = made.tables["law"], made.files["law"]
-    run = made.study.run("law", "epsilon~0.1/N~8/R~9")
+    run = made.study.run("law", "diffusion~0.1/N~8/R~9")
     ds = gs.read_dataset(files[0])
     T = theory.maxwell_temperature(ds["time"].values, 1.0, 0.5, 0.1)
     expected = np.max(np.abs(ds["temperature"].values / T - 1.0))
@@ -156,12 +156,16 @@ def test_a_front_of_runs_shows_their_seconds_against_both_errors(made):
             "truth: {law: maxwell, time: {dt: 0.1}}",
             "law: takes no scene and no time",
         ),
-        ("epsilon: 0.1}", "exponent: 1.0}", "truth.law='maxwell': holds at exponent 0, not at 1.0"),
+        (
+            "diffusion: 0.1}",
+            "exponent: 1.0}",
+            "truth.law='maxwell': holds at exponent 0, not at 1.0",
+        ),
         ("restitution: 0.5, epsilon", "restitution: {viscoelastic: 0.1}, epsilon", "constant e"),
         ("R: 10.0, N: 28", "R: 10.0, N: 2", "truth: N=2: must be an integer of at least 4"),
         ("  law:\n", "  map:\n", "experiments.map: is the name of the map's files"),
         (
-            "    truth: {law: maxwell}\n    sweep:\n      - {epsilon: [0.1, 0.2], N: [8, 24], R: [9.0]}\n"
+            "    truth: {law: maxwell}\n    sweep:\n      - {diffusion: [0.1, 0.2], N: [8, 24], R: [9.0]}\n"
             "    table: {quantity: largest_a2_error}\n    figure: {kind: gallery}",
             "    sweep:\n      - {N: [24], R: [9.0]}\n    table: {quantity: a2, seconds: true}",
             "table.seconds: stands beside errors of runs with a truth; give one",
