@@ -107,12 +107,11 @@ class SceneFields(Section):
         int | None, Field(description="2 or 3, for a density of one's own of any dimension")
     ] = None
     arguments: Annotated[
-        dict[str, Value],
+        dict[str, Value] | None,
         Field(
-            default_factory=dict,
-            description="arguments of a density or law of one's own; they may stand beside it, too",
+            description="arguments of a density or law of one's own; they may stand beside it, too"
         ),
-    ]
+    ] = None
 
     @model_validator(mode="before")
     @classmethod
@@ -126,7 +125,7 @@ class SceneFields(Section):
             known = {key: value for key, value in values.items() if key in cls.model_fields}
             own = {key: value for key, value in values.items() if key not in cls.model_fields}
             if own:
-                return known | {"arguments": {**known.get("arguments", {}), **own}}
+                return known | {"arguments": {**(known.get("arguments") or {}), **own}}
         return values
 
     @model_validator(mode="after")
@@ -143,7 +142,7 @@ class SceneFields(Section):
         law = words.get("restitution")
         if isinstance(law, ViscoelasticModel):
             words |= {"restitution": "viscoelastic", "A": law.viscoelastic}
-        return words | self.arguments
+        return words | (self.arguments or {})
 
     @property
     def has_own_code(self) -> bool:
