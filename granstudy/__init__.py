@@ -25,12 +25,15 @@ with paused_collection():
     from granstudy.velocity.moments import moments
     from granstudy.velocity.radial import RadialGrid
     from granstudy.velocity.symmetry import Symmetry
+    from granstudy.workbench.open_study import OpenStudy, open_study
+    from granstudy.workbench.sweep import sweep
 
 __all__ = [
     "VHS",
     "Choice",
     "CollisionOperator",
     "Forecast",
+    "OpenStudy",
     "QuadraturePlan",
     "RadialGrid",
     "Scene",
@@ -49,11 +52,13 @@ __all__ = [
     "maxwell",
     "moments",
     "open_runs",
+    "open_study",
     "physical_density",
     "plan",
     "read_dataset",
     "simulate",
     "stability_limit",
+    "sweep",
     "unstack_runs",
     "write_dataset",
 ]

@@ -109,10 +109,7 @@ def prepare(layout: Layout, file: str | Path, cores: int | None) -> list[Job]:
         The longest first.
     """
     state = State(layout)
-    _show_runs(state, file)
-    for name in layout.study.model.experiments:
-        if not layout.study.is_timed(name):
-            _show_complete(state, name)
+    show(state, file)
     left = jobs(state.missing, cores)
     for job in left:
         job.write(Path(layout.job_file(job.id)))
@@ -121,7 +118,15 @@ def prepare(layout: Layout, file: str | Path, cores: int | None) -> list[Job]:
     return left
 
 
-def _show_runs(state: State, file: str | Path) -> None:
+def show(state: State, file: str | Path | None) -> None:
+    """Make a study's folder show the study as it is now; ``file`` is the study file, if it has one."""
+    _show_runs(state, file)
+    for name in state.layout.study.model.experiments:
+        if not state.layout.study.is_timed(name):
+            _show_complete(state, name)
+
+
+def _show_runs(state: State, file: str | Path | None) -> None:
     layout, store = state.layout, state.layout.store
     before = read_json(layout.manifest)
     runs = {f"{m.experiment}/{m.path}": m.key for m in layout.study.members}
@@ -138,7 +143,7 @@ def _show_runs(state: State, file: str | Path) -> None:
                 link(store.path(m.key), target)
     content = {
         "study": layout.study.name,
-        "file": str(Path(file).resolve()),
+        "file": "" if file is None else str(Path(file).resolve()),
         "runs": runs,
         "older": state.older,
     }

@@ -1,5 +1,6 @@
 """Many runs computed here, or by the workers of a Dask cluster, each into the store."""
 
+import logging
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
@@ -107,7 +108,12 @@ def _cluster(
         yield None
         return
     with (
-        LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None) as cluster,
+        LocalCluster(
+            n_workers=count,
+            threads_per_worker=1,
+            dashboard_address=None,
+            silence_logs=logging.CRITICAL,  # workers that are told to end, and take their time
+        ) as cluster,
         Client(cluster) as made,
     ):
         yield made

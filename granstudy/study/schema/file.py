@@ -1,7 +1,7 @@
 """Study files: the typed model of their YAML, and how one is read."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import yaml
 from pydantic import Field, ValidationError, model_validator
@@ -57,8 +57,26 @@ def read_study_file(path: str | Path) -> StudyFile:
         content = yaml.safe_load(path.read_text())
     except yaml.YAMLError as error:
         raise ValueError(f"{path}: not YAML: {error}") from None
+    return study_model(content, str(path))
+
+
+def study_model(content: Any, source: str = "study") -> StudyFile:
+    """The typed model of what a study file says.
+
+    Parameters
+    ----------
+    content : dict
+        What the file says, as plain data.
+    source : str
+        Where it comes from, for messages.
+
+    Raises
+    ------
+    ValueError
+        One line an error, each naming the source, the field, the value and what is allowed.
+    """
     try:
         return StudyFile.model_validate(content)
     except ValidationError as error:
-        lines = [f"{path}: {line}" for line in explain(error, StudyFile)]
+        lines = [f"{source}: {line}" for line in explain(error, StudyFile)]
         raise ValueError("\n".join(lines)) from None
