@@ -60,18 +60,20 @@ class OpenStudy:
     name, title : str
     experiments : list of str
         Names of its experiments.
+    layout : Layout
+        Where its results lie.
     """
 
     def __init__(self, study: Study, results: str | Path, file: str | Path | None) -> None:
         self._study, self._file = study, file
-        self._layout = Layout(study, str(results))
+        self.layout = Layout(study, str(results))
         self.name, self.title = study.name, study.model.title
         self.experiments = list(study.model.experiments)
 
     @property
     def _state(self) -> State:
         """How the study stands now; others may compute meanwhile."""
-        return State(self._layout)
+        return State(self.layout)
 
     @property
     def runs(self) -> pd.DataFrame:
@@ -144,7 +146,7 @@ class OpenStudy:
             If runs could not be computed, with the cause of each; the others were.
         """
         tasks = [_task(same) for same in self._state.missing]
-        store = self._layout.store
+        store = self.layout.store
         found = compute(tasks, store, client=client, workers=workers, progress=progress)
         self.show()
         causes = [f"{one.key}: {one.cause}" for one in found.values() if isinstance(one, Failure)]
@@ -156,7 +158,7 @@ class OpenStudy:
     def show(self) -> None:
         """Make the study's folder of runs show the study as it is now."""
         if self._file is not None:
-            check_owner(self._layout, self._file)
+            check_owner(self.layout, self._file)
         show(self._state, self._file)
 
     def dataset(
@@ -191,7 +193,7 @@ class OpenStudy:
             raise ValueError(f"{name}: no run is there yet; study.compute(), or snakemake")
         keys = {m.key for m in there if references or not m.run.is_reference}
         if densities:
-            store = self._layout.store
+            store = self.layout.store
             runs = open_runs([store.path(key) for key in sorted(keys)], densities=True)
         else:
             gathered = self._gathered(name)
@@ -237,7 +239,7 @@ class OpenStudy:
         beside = self._tables(model.beside_figure)
         own = self._tables([name])[name]
         runs = self._study.runs[name]
-        return draw(model, own, self._layout.run_files(name), list(beside.values()), runs)
+        return draw(model, own, self.layout.run_files(name), list(beside.values()), runs)
 
     def _tables(self, names: Sequence[str]) -> dict[str, xr.Dataset]:
         """Tables of experiments, each after those that stand beside it."""
@@ -250,7 +252,7 @@ class OpenStudy:
                     f"{name}: {len(lacking)} runs are missing; study.compute(), or snakemake"
                 )
             self.show()
-            files, runs = self._layout.run_files(name), self._study.runs[name]
+            files, runs = self.layout.run_files(name), self._study.runs[name]
             beside = list(self._tables(model.beside_table).values())
             found[name] = experiment_table(model, runs, files, beside)
         return found
@@ -282,9 +284,9 @@ class OpenStudy:
 
     def _gathered(self, name: str) -> xr.Dataset:
         """The runs of an experiment that are there, references among them, over ``run``."""
-        store, members = self._layout.store, self._there(name)
+        store, members = self.layout.store, self._there(name)
         files = {m.key: store.path(m.key) for m in members}
-        kept = self._layout.gathered(name) if len(files) >= GATHERED_FROM else None
+        kept = self.layout.gathered(name) if len(files) >= GATHERED_FROM else None
         return gather(files, kept)
 
     def _named(self, experiment: str | None) -> str:
