@@ -65,7 +65,7 @@ def test_a_truth_is_computed_once_for_each_gas(made):
 
 def test_the_law_starts_from_the_density_not_from_the_grid(made):
     table, files = made.tables["law"], made.files["law"]
-    run = made.study.run("law", "epsilon~0.1/N~8/R~9")
+    run = made.study.run("law", "diffusion~0.1/N~8/R~9")
     ds = gs.read_dataset(files[0])
     T = theory.maxwell_temperature(ds["time"].values, 1.0, 0.5, 0.1)
     expected = np.max(np.abs(ds["temperature"].values / T - 1.0))
@@ -114,7 +114,7 @@ def test_tables_figures_and_the_map_are_written(made, tmp_path):
     lines = (tmp_path / "map.csv").read_text().splitlines()
     assert lines[0].startswith("case,configuration,variation,largest_temperature_error,")
     assert (
-        lines[1].startswith('law,"radial, fixed","N = 8, R = 9, epsilon = 0.1",')
+        lines[1].startswith('law,"radial, fixed","N = 8, R = 9, diffusion = 0.1",')
         and len(lines) == 9
     )
     assert "0 of 8 labels break the rule" in (tmp_path / "map.md").read_text()
