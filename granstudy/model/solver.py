@@ -17,7 +17,7 @@ from granstudy.model.methods import (
     Method,
     that_take,
 )
-from granstudy.support.checks import check_count
+from granstudy.support.checks import check_count, is_count, is_real, plain
 from granstudy.support.errors import unknown_name
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.space import check_node_count, check_point_count, check_radius
@@ -29,6 +29,9 @@ DEVICES = ("cpu", "gpu")
 
 NOT_IN_USE = {"dealias": False, "precision": PRECISIONS[0], "device": DEVICES[0]}
 """Values of the fields of `PRODUCTS` that a solver's description leaves out."""
+
+REAL = ("R", "rtol")
+"""Fields that are real numbers: 7 and 7.0 are one value."""
 
 LEAST_PARTICLES = 10
 """Smallest number of particles in a batch of `dsmc`: the covariance of fewer says little."""
@@ -137,6 +140,7 @@ class Solver:
     device: str = setting("cpu", "cpu or gpu; default: cpu")
 
     def __post_init__(self) -> None:
+        self._make_plain()
         for field, allowed in (
             ("variant", VARIANTS),
             ("method", tuple(METHODS)),
@@ -144,7 +148,8 @@ class Solver:
             ("precision", PRECISIONS),
             ("device", DEVICES),
         ):
-            if getattr(self, field) not in allowed:
+            value = getattr(self, field)
+            if not isinstance(value, str) or value not in allowed:
                 raise unknown_name(field, getattr(self, field), allowed)
         self._check_grid()
         self._check_sizes()
@@ -153,6 +158,16 @@ class Solver:
             self._check_rtol(self.rtol)
         if self.traits.by_particles:
             self._check_particles()
+
+    def _make_plain(self) -> None:
+        """Keep numbers of NumPy as numbers of Python, R and rtol as floats, a pair of nodes as a tuple."""
+        for field in dataclasses.fields(Solver):
+            value = plain(getattr(self, field.name))
+            if field.name in REAL and is_real(value):
+                value = float(value)
+            elif field.name == "M_sph" and isinstance(value, list | tuple):
+                value = tuple(plain(each) for each in value)
+            object.__setattr__(self, field.name, value)
 
     def _check_grid(self) -> None:
         """Raise ValueError unless N and R are both good, or both open and a tolerance chooses them."""
@@ -176,12 +191,21 @@ class Solver:
             allowed = next(name for name, method in METHODS.items() if method.free_radii)
             raise ValueError(f"N_rho=None: only method {allowed!r} allows it, not {self.method!r}")
         check_count("M_cir", self.M_cir)
-        if not isinstance(self.M_sph, (tuple, list)):
+        if not isinstance(self.M_sph, tuple):
             check_count("M_sph", self.M_sph)
+        elif len(self.M_sph) != 2 or not all(map(is_count, self.M_sph)):
+            raise ValueError(
+                f"M_sph={self.M_sph!r}: must be a positive integer, or a pair of them (N_theta, N_phi)"
+            )
         if self.threads is not None:
             check_count("threads", self.threads)
-        if not isinstance(self.dealias, bool):
-            raise ValueError(f"dealias={self.dealias!r}: must be True or False")
+        for field in ("dealias", "circular"):
+            if not isinstance(getattr(self, field), bool):
+                raise ValueError(f"{field}={getattr(self, field)!r}: must be True or False")
+        if not isinstance(self.sphere_rule, str):
+            raise ValueError(
+                f"sphere_rule={self.sphere_rule!r}: must be the name of a rule or the path of a file"
+            )
 
     def _check_only_some(self) -> None:
         """Raise ValueError for a field that only other methods take."""
@@ -195,7 +219,7 @@ class Solver:
 
     def _check_rtol(self, rtol: object) -> None:
         """Raise ValueError for a bad tolerance, or one beside a field that it chooses."""
-        if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 0.0 < rtol < 1.0:
+        if not is_real(rtol) or not 0.0 < rtol < 1.0:
             raise ValueError(f"rtol={rtol!r}: must be a number between 0 and 1, or None")
         for name, default in _defaults():
             value = getattr(self, name)

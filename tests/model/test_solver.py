@@ -1,6 +1,8 @@
 import dataclasses
+import json
 import os
 
+import numpy as np
 import pytest
 
 import granstudy as gs
@@ -17,6 +19,19 @@ def test_the_paper_is_the_default():
 
 def test_grid():
     assert gs.Solver(N=8, R=5.0).grid(3) == gs.VelocityGrid(3, 8, 5.0)
+
+
+def test_numbers_of_numpy_become_numbers_of_python():
+    given = gs.Solver(
+        N=np.int64(16), R=np.float32(7), N_rho=np.int16(8), M_sph=(np.int64(6), np.int64(8)),
+        sphere_rule="gauss-theta-phi", dealias=np.False_, threads=np.int64(1),
+    )  # fmt: skip
+    plain = gs.Solver(16, 7, N_rho=8, M_sph=[6, 8], sphere_rule="gauss-theta-phi", threads=1)
+    assert json.dumps(given.describe()) == json.dumps(plain.describe())
+    assert given.describe()["R"] == 7.0 and type(given.R) is float
+    particles = gs.Solver(16, 7.0, method="dsmc", particles=np.int64(400), seed=np.int64(3))
+    json.dumps(particles.describe())
+    json.dumps(gs.Solver(16, 7.0, rtol=np.float64(1e-3)).describe())
 
 
 def test_threads_change_no_description():

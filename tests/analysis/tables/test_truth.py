@@ -117,7 +117,7 @@ def test_tables_figures_and_the_map_are_written(made, tmp_path):
     lines = (tmp_path / "map.csv").read_text().splitlines()
     assert lines[0].startswith("case,configuration,variation,largest_temperature_error,")
     assert (
-        lines[1].startswith('law,"radial, fixed","N = 8, R = 9, epsilon = 0.1",')
+        lines[1].startswith('law,"radial, fixed","N = 8, R = 9, diffusion = 0.1",')
         and len(lines) == 9
     )
     assert "0 of 8 labels break the rule" in (tmp_path / "map.md").read_text()
