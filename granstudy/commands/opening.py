@@ -17,8 +17,5 @@ def open_(study: str, results: str) -> None:
     opened = open_study(study, results=results)
     name = opened.experiments[0]
     banner = f"{opened}\n\nstudy.runs   study.dataset({name!r})   study.table({name!r})"
-    IPython.start_ipython(
-        argv=["--no-banner", "--TerminalIPythonApp.display_banner=False"],
-        user_ns={"study": opened, "gs": gs, "xr": xr},
-        display_banner=click.echo(banner),
-    )
+    click.echo(banner)
+    IPython.start_ipython(argv=["--no-banner"], user_ns={"study": opened, "gs": gs, "xr": xr})

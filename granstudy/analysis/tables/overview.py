@@ -1,4 +1,4 @@
-"""A study before it runs, an experiment a line: runs done and left, seconds, memory, and what comes on top."""
+"""A study before it runs, an experiment a line: runs done and left, seconds, memory."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from granstudy.study.state import State
 from granstudy.support.reporter import duration
 
 START, JOB, TABLE, FIGURE, MEASURED = 5.0, 1.5, 2.5, 4.0, 3.0
-"""Seconds on a quiet machine: of Snakemake's start, of a job's, of a table, of a figure, and of the process that
+"""Seconds on a quiet machine: Snakemake's start, a job's, a table, a figure, and the process that
 measures the memory of one run of a benchmark."""
 
 
