@@ -2,9 +2,7 @@
 
 import click
 import IPython
-import xarray as xr
 
-import granstudy as gs
 from granstudy.commands.options import RESULTS, STUDY
 from granstudy.workbench.open_study import open_study
 
@@ -18,4 +16,8 @@ def open_(study: str, results: str) -> None:
     name = opened.experiments[0]
     banner = f"{opened}\n\nstudy.runs   study.dataset({name!r})   study.table({name!r})"
     click.echo(banner)
-    IPython.start_ipython(argv=["--no-banner"], user_ns={"study": opened, "gs": gs, "xr": xr})
+    lines = "['import granstudy as gs', 'import xarray as xr']"
+    IPython.start_ipython(
+        argv=["--no-banner", f"--InteractiveShellApp.exec_lines={lines}"],
+        user_ns={"study": opened},
+    )

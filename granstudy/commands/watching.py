@@ -1,5 +1,6 @@
 """`granstudy status`: how far a study is, once or until it is done."""
 
+import sys
 import time
 from collections import Counter
 
@@ -27,7 +28,7 @@ def status(study: str, results: str, watch: bool) -> None:
     lines = 0
     while True:
         text = standing(layout, time.time())
-        if lines and click.get_text_stream("stdout").isatty():
+        if lines and sys.stdout.isatty():
             click.echo(f"\033[{lines}F\033[J", nl=False)
         click.echo(text)
         lines = text.count("\n") + 1
