@@ -10,9 +10,11 @@ from typing import Any, Protocol
 
 import xarray as xr
 
+from granstudy.evolution.evolve import evolve
 from granstudy.runs.computation import Computation
 from granstudy.runs.execute import Outcome, keep, obtain
 from granstudy.runs.store import Store
+from granstudy.states.solve import cooling_state
 from granstudy.support.fingerprint import fingerprint
 from granstudy.support.own_code.code import code_of
 from granstudy.trust.flags import Status, flag_variable
@@ -92,7 +94,7 @@ def call_keys(
 ) -> list[str]:
     """Key of a call at each point: a hash over the function's code, its arguments, and this package."""
     code = code_of(function).digest
-    package = fingerprint(["granstudy.evolution.evolve", "granstudy.states.solve", __name__])
+    package = fingerprint([evolve.__module__, cooling_state.__module__, __name__])
     keys = []
     for point in points:
         described = json.dumps({**fixed, **point}, sort_keys=True, default=_plain)
