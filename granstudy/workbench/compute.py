@@ -6,14 +6,15 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-from distributed import Client, LocalCluster, as_completed, get_client
-from tqdm.auto import tqdm
+from typing import TYPE_CHECKING, Any
 
 from granstudy.runs.execute import Outcome
 from granstudy.runs.store import Store
+from granstudy.support.progress import kind_of_bar, person_watches
 from granstudy.workbench.tasks import Task, perform
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 HERE = 3.0
 """Seconds of estimated work that is done in this process: starting others would take as long."""
@@ -34,7 +35,7 @@ def compute(
     tasks: Sequence[Task],
     store: Store,
     *,
-    client: Client | None = None,
+    client: "Client | None" = None,
     workers: int | None = None,
     progress: bool | None = None,
 ) -> dict[str, Outcome | Failure]:
@@ -68,8 +69,8 @@ def compute(
     if not left:
         return found
     seconds = sum(task.seconds for task in left)
-    hidden = None if progress is None else not progress
-    with tqdm(total=seconds, disable=hidden, bar_format=BAR, unit="s") as bar:
+    hidden = not (person_watches() if progress is None else progress)
+    with kind_of_bar()(total=seconds, disable=hidden, bar_format=BAR, unit="s") as bar:
         bar.set_postfix_str(f"0 of {len(left)} runs")
         try:
             with _cluster(client, workers, seconds, len(left)) as cluster:
@@ -90,9 +91,11 @@ BAR = "{l_bar}{bar}| {postfix}, about {remaining} left"
 
 @contextmanager
 def _cluster(
-    client: Client | None, workers: int | None, seconds: float, runs: int
-) -> Iterator[Client | None]:
+    client: "Client | None", workers: int | None, seconds: float, runs: int
+) -> Iterator["Client | None"]:
     """The client that computes; None where this process does."""
+    from distributed import Client, LocalCluster, get_client  # a second, which few need
+
     if client is None:
         try:
             client = get_client()
@@ -120,13 +123,15 @@ def _cluster(
 
 
 def _results(
-    tasks: Sequence[Task], store: Store, client: Client | None
+    tasks: Sequence[Task], store: Store, client: "Client | None"
 ) -> Iterator[tuple[Task, Outcome | Failure]]:
     """What becomes of each task, as it is done."""
     if client is None:
         for task in tasks:
             yield task, _outcome(task.key, perform(task, store.folder))
         return
+    from distributed import as_completed
+
     futures = {
         client.submit(_perform_all, batch, store.folder, pure=False): batch
         for batch in _batches(tasks)

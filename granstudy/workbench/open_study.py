@@ -4,11 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 import xarray as xr
-from distributed import Client
 from matplotlib.figure import Figure
 
 from granstudy.analysis.figures.figure import draw
@@ -28,6 +27,9 @@ from granstudy.trust.flags import flag_word
 from granstudy.workbench.compute import Failure, compute
 from granstudy.workbench.tasks import RunTask
 from granstudy.workbench.theories import theories
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 GATHERED_FROM = 200
 """Runs of an experiment from which on what was gathered is kept in a file."""
@@ -127,7 +129,7 @@ class OpenStudy:
     def compute(
         self,
         *,
-        client: Client | None = None,
+        client: "Client | None" = None,
         workers: int | None = None,
         progress: bool | None = None,
     ) -> None:

@@ -3,11 +3,10 @@
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from distributed import Client
 
 from granstudy.datasets.collected import gather
 from granstudy.datasets.open_runs import open_runs
@@ -29,6 +28,9 @@ from granstudy.workbench.roots import write_root
 from granstudy.workbench.tasks import RunTask
 from granstudy.workbench.words import computation_at
 
+if TYPE_CHECKING:
+    from distributed import Client
+
 Values = Sequence[Any] | np.ndarray | Mapping[str, Any]
 """Values of a swept parameter; or a range, ``{"start": .., "stop": .., "count": ..}``, as in study files."""
 
@@ -43,7 +45,7 @@ def sweep(
     results: str | Path = "results",
     name: str | None = None,
     densities: bool = False,
-    client: Client | None = None,
+    client: "Client | None" = None,
     workers: int | None = None,
     progress: bool | None = None,
     **fixed: Any,
