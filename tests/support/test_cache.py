@@ -1,6 +1,7 @@
 """The cache: computed once, whole or not at all, damage noticed, many runs at a time."""
 
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -54,6 +55,15 @@ def test_a_changed_byte_is_noticed(folder, place):
     content = bytearray(path.read_bytes())
     content[place] ^= 1
     path.write_bytes(content)
+    np.testing.assert_array_equal(cached_array("a", lambda: ARRAY), ARRAY)
+    np.testing.assert_array_equal(cached_array("a", never), ARRAY)
+
+
+@pytest.mark.parametrize("other", [2 * ARRAY, ARRAY[:6, :5]], ids=["equal shape", "smaller"])
+def test_the_file_of_another_array_is_refused(folder, other):
+    cached_array("b", lambda: other)
+    cached_array("a", lambda: ARRAY)
+    shutil.copy(folder / "b.npy.sha256", folder / "a.npy.sha256")
     np.testing.assert_array_equal(cached_array("a", lambda: ARRAY), ARRAY)
     np.testing.assert_array_equal(cached_array("a", never), ARRAY)
 
