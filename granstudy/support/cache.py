@@ -21,9 +21,22 @@ ABANDONED = 86400.0
 
 
 def cache_folder() -> Path:
-    """``$GRANSTUDY_CACHE``, or granstudy's folder in the platform's user cache (platformdirs)."""
-    named = os.environ.get(VARIABLE)
-    return Path(named) if named else user_cache_path("granstudy", appauthor=False)
+    """``$GRANSTUDY_CACHE``, or granstudy's folder in the platform's user cache (platformdirs).
+
+    Raises
+    ------
+    OSError
+        If the variable is not set, and the user has no home.
+    """
+    if named := os.environ.get(VARIABLE):
+        return Path(named)
+    try:
+        folder = user_cache_path("granstudy", appauthor=False)
+    except RuntimeError as error:
+        raise OSError(str(error)) from error
+    if not folder.is_absolute():  # as an earlier platformdirs answers: ~/.cache
+        raise OSError(f"no home directory for {folder}")
+    return folder
 
 
 def cached_array(name: str, compute: Callable[[], np.ndarray]) -> np.ndarray:
@@ -35,7 +48,11 @@ def cached_array(name: str, compute: Callable[[], np.ndarray]) -> np.ndarray:
     to, a warning says so. Unfinished files of killed processes are removed after a day, when the next array
     is kept.
     """
-    path = cache_folder() / f"{name}.npy.sha256"
+    try:
+        path = cache_folder() / f"{name}.npy.sha256"
+    except OSError as error:
+        _say_not_kept(str(error))
+        return compute()
     array = _read(path, name)
     if array is None:
         array = compute()
@@ -43,12 +60,16 @@ def cached_array(name: str, compute: Callable[[], np.ndarray]) -> np.ndarray:
             write_whole(path, lambda partial: partial.write_bytes(_pack(array, name)))
             _remove_abandoned(path.parent)
         except OSError as error:
-            warnings.warn(
-                f"{path.parent}: cannot keep computed arrays there ({error}); they are computed "
-                f"again by every run. Set {VARIABLE} to a folder that can be written to",
-                stacklevel=2,
-            )
+            _say_not_kept(f"{path.parent}: {error}")
     return array
+
+
+def _say_not_kept(reason: str) -> None:
+    warnings.warn(
+        f"cannot keep computed arrays ({reason}); they are computed again by every run. Set {VARIABLE} to a "
+        "folder that can be written to",
+        stacklevel=3,
+    )
 
 
 def _remove_abandoned(folder: Path) -> None:

@@ -63,6 +63,14 @@ def read_json(path: str | Path) -> dict[str, Any]:
     return content if isinstance(content, dict) else {}
 
 
+def file_digest(path: str | os.PathLike[str]) -> str | None:
+    """SHA-256 of a file's content; None where there is no file that can be read."""
+    try:
+        return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+    except (OSError, ValueError):  # a path with a zero byte is a ValueError
+        return None
+
+
 def sealed(payload: bytes, seal: str) -> bytes:
     """A checksum over ``seal`` and payload, then the payload. The seal says what the payload is."""
     return hashlib.sha256(seal.encode() + payload).digest() + payload
