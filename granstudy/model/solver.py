@@ -165,9 +165,9 @@ class Solver:
             self._check_rtol(self.rtol)
         if self.traits.by_particles:
             self._check_particles()
-        named = self.sphere_rule in SPHERE_RULES
-        is_path = isinstance(self.sphere_rule, str | os.PathLike) and not named
-        digest = file_digest(self.sphere_rule) if is_path else None
+        is_path = isinstance(self.sphere_rule, str | os.PathLike)
+        of_file = is_path and self.sphere_rule not in SPHERE_RULES
+        digest = file_digest(self.sphere_rule) if of_file else None
         object.__setattr__(self, "_sphere_rule_sha256", digest)
 
     def _make_plain(self) -> None:
