@@ -10,7 +10,17 @@ from granstudy.velocity.space import VelocitySpace, check_shape
 
 
 class CollisionOperator(Protocol):
-    """Q(f,f) for one scene and one solver: planned once, called often.
+    """Q(f,f) for one scene and one solver: planned once, called often, from wherever.
+
+    =========================  ==================================================================
+    several threads at once    each gets the numbers that it would get alone; one call waits for
+                               the other, as a call uses ``Solver.threads`` threads already
+    a forked process           calls the operator as its parent does
+    a pickle                   holds scene, solver and chosen quadrature; another process makes
+                               the same operator of it, with the same numbers
+    =========================  ==================================================================
+
+    A scene with a function that cannot be pickled, such as a lambda, makes an operator that cannot be.
 
     Attributes
     ----------
