@@ -1,7 +1,7 @@
 """Studies: from a study file to its checked runs."""
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -16,9 +16,10 @@ from granstudy.study.schema.experiment import (
     BenchmarkExperiment,
     Experiment,
     TimingModel,
-    values_of,
 )
 from granstudy.study.schema.file import StudyFile, read_study_file
+from granstudy.study.schema.names import check_run_path
+from granstudy.study.schema.sweeps import values_of
 from granstudy.study.schema.words import SWEPT, coordinate
 from granstudy.support.errors import unknown_name
 
@@ -96,10 +97,10 @@ def load_study(path: str | Path) -> Study:
 def read_study(path: str | Path) -> Study:
     """Read a study file that was checked before, so that its runs need no check."""
     model, folder = read_study_file(path), Path(path).parent
-    runs = {}
+    runs: dict[str, dict[str, Run]] = {}
     for name, experiment in model.experiments.items():
         try:
-            runs[name] = {run.path: run for run in _expand(name, experiment, folder)}
+            runs[name] = _by_path(_expand(name, experiment, folder))
         except ValueError as error:
             raise ValueError(f"{path}: experiments.{name}: {error}") from None
     return Study(Path(path).stem, model, runs)
@@ -131,6 +132,20 @@ def _check_baseline(name: str, timing: TimingModel, runs: list[Run]) -> None:
         raise ValueError(
             f"experiments.{name}.timing.baseline: {baseline} are the values of {count} runs, must be of one"
         )
+
+
+def _by_path(runs: Iterable[Run]) -> dict[str, Run]:
+    """Runs by their paths; ValueError where a path is too long, or two values have one name."""
+    found: dict[str, Run] = {}
+    for run in runs:
+        other = found.setdefault(run.path, run)
+        if other.values != run.values:
+            raise ValueError(
+                f"sweep: {dict(other.values)} and {dict(run.values)} both have the path {run.path}; take one"
+            )
+        if other is run:
+            check_run_path(run.path)
+    return found
 
 
 def _expand(name: str, experiment: Experiment, folder: Path) -> Iterator[Run]:

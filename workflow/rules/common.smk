@@ -7,7 +7,7 @@ from snakemake_logger_plugin_granstudy import interrupt, locks
 
 from granstudy.study.jobs import Job
 from granstudy.study.layout import Layout
-from granstudy.study.schema.file import MAP
+from granstudy.study.schema.names import MAP
 from granstudy.study.state import check_owner, prepare
 from granstudy.study.study import load_study, read_study
 from granstudy.support.fingerprint import fingerprint
