@@ -110,6 +110,7 @@ def _check_runs(name: str, experiment: Experiment, runs: dict[str, Run]) -> None
     for run in runs.values():
         try:
             check_run(run)
+            check_run_path(run.path)
         except ValueError as error:
             raise ValueError(f"experiments.{name}, run {run.path}: {error}") from None
     if isinstance(experiment, BenchmarkExperiment):
@@ -120,6 +121,10 @@ def _check_beside(name: str, experiment: Experiment, known: list[str]) -> None:
     """Raise ValueError where a table or a figure shows an experiment that there is none of."""
     for part, beside in (("figure", experiment.beside_figure), ("table", experiment.beside_table)):
         for other in beside:
+            if other == name:
+                raise ValueError(
+                    f"experiments.{name}.{part}.beside: {other!r} is the experiment itself; leave it out"
+                )
             if other not in known:
                 unknown = unknown_name("experiment", other, known)
                 raise ValueError(f"experiments.{name}.{part}.beside: {unknown}")
@@ -135,7 +140,7 @@ def _check_baseline(name: str, timing: TimingModel, runs: list[Run]) -> None:
 
 
 def _by_path(runs: Iterable[Run]) -> dict[str, Run]:
-    """Runs by their paths; ValueError where a path is too long, or two values have one name."""
+    """Runs by their paths; ValueError where two values have one name."""
     found: dict[str, Run] = {}
     for run in runs:
         other = found.setdefault(run.path, run)
@@ -143,8 +148,6 @@ def _by_path(runs: Iterable[Run]) -> dict[str, Run]:
             raise ValueError(
                 f"sweep: {dict(other.values)} and {dict(run.values)} both have the path {run.path}; take one"
             )
-        if other is run:
-            check_run_path(run.path)
     return found
 
 

@@ -26,9 +26,9 @@ try:
     STUDY = (load_study if workflow.is_main_process else read_study)(STUDY_FILE)
     LAYOUT = Layout(STUDY, RESULTS_FOLDER)
     if workflow.is_main_process:  # Matplotlib takes half a second
-        from granstudy.analysis.vocabulary import check_words
+        from granstudy.analysis.requests import check_requests
 
-        check_words(STUDY.model, STUDY_FILE)
+        check_requests(STUDY, STUDY_FILE)
         check_owner(LAYOUT, STUDY_FILE)
 except ValueError as error:
     raise WorkflowError(str(error)) from None

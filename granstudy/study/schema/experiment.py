@@ -200,12 +200,6 @@ class ExperimentBase(Section):
         ]
         return self.scene.has_own_code or any(map(is_reference, swept))
 
-    @model_validator(mode="after")
-    def _shows_a_truth_it_has(self) -> "ExperimentBase":
-        if self.figure is not None and self.figure.kind == "gallery" and not self.has_truth:
-            raise ValueError("figure.kind: a gallery shows runs beside their truth; give one")
-        return self
-
 
 class EvolutionExperiment(ExperimentBase):
     """Runs that advance the scene's density through time."""
