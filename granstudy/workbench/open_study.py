@@ -11,8 +11,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from granstudy.analysis.figures.figure import draw
+from granstudy.analysis.requests import check_requests
 from granstudy.analysis.tables.table import experiment_table
-from granstudy.analysis.vocabulary import check_words
 from granstudy.datasets.collected import gather
 from granstudy.datasets.open_runs import open_runs
 from granstudy.datasets.unstack import unstack_runs
@@ -355,5 +355,5 @@ def open_study(
     """
     loaded = load_study(study, name)
     file = None if isinstance(study, Mapping) else study
-    check_words(loaded.model, file or "")
+    check_requests(loaded, file or "")
     return OpenStudy(loaded, results, file)
