@@ -44,8 +44,8 @@ def central_differences(N: int, spacing: float) -> np.ndarray:
 def radial_dilation_3d(nodes: np.ndarray) -> np.ndarray:
     """Matrix of ∇c·(c g) on the speeds r_j = jh.
 
-    F = r g is odd, and r ∇c·(c g) = F + d(rF)/dr: the central difference is taken of rF on ±r_j. As on a line,
-    the moments of even powers of r are exact to what g has at the border.
+    F = r g is odd, and r ∇c·(c g) = F + d(rF)/dr: the central difference is taken of rF on ±r_j. As on a
+    line, the moments of even powers of r are exact to what g has at the border.
     """
     N = len(nodes)
     difference = central_differences(2 * N + 1, nodes[0])[N + 1 :]
@@ -96,8 +96,8 @@ def _derivative_weights(x: np.ndarray, at: int) -> np.ndarray:
 def _mended(B: np.ndarray, nodes: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """B with its first rows changed by little, so that they are right for long waves as well.
 
-    The change C is the one with the least Σ_k e²_k |error of B + C on the mode J0(kr)|² + (penalty)²|C|² that has no
-    moments: Σ_j w_j r_j^{2m} C_ji = 0, m < `CORE_MOMENTS`. It acts on nodes about r = 0 alone.
+    The change C has no moments, Σ_j w_j r_j^{2m} C_ji = 0 for m < `CORE_MOMENTS`, and acts on nodes about
+    r = 0 alone. Among such changes it has the least Σ_k (error of B + C on J0(kr))² + (penalty |C|)².
     """
     rows = min(CORE, int(CORE_LARGEST * len(nodes)))
     columns = rows + rows // 2
