@@ -3,7 +3,6 @@
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -51,7 +50,7 @@ def evolve(
     """
     header = Header.of("evolution", scene, choice, settings.coordinates())
     run = _prepare(scene, choice.solver, settings)
-    observer = _Observer(scene, settings, run)
+    observer = _Observer(settings, run)
     record = observer.record
     hidden = None if progress is None else not progress
     # The observer looks for overflow and NaN, in one place.
@@ -73,8 +72,9 @@ def evolve(
 
 @dataclass(frozen=True)
 class _Prepared:
-    """All that is made before the first step."""
+    """All that is made before the first step; the scene is seen from the frame's velocity."""
 
+    scene: Scene
     operator: CollisionOperator
     rates: RatesAt
     frame: Frame
@@ -105,7 +105,8 @@ def _prepare(scene: Scene, solver: SizedSolver, settings: TimeSettings) -> _Prep
         steps = FixedSteps(frame, scheme, settings.dt, settings.steps)
     else:
         steps = AdaptiveSteps(frame, scheme, settings.outputs, settings.time_rtol)
-    return _Prepared(operator, rates, frame, steps, frame.start(scene.density(operator.grid)))
+    start = frame.start(scene.density(operator.grid))
+    return _Prepared(scene, operator, rates, frame, steps, start)
 
 
 def _energy_rate(
@@ -120,12 +121,12 @@ def _energy_rate(
 class _Observer:
     """Watches a run step by step (moments, quadrature, health), and fills its record."""
 
-    def __init__(self, scene: Scene, settings: TimeSettings, run: _Prepared) -> None:
+    def __init__(self, settings: TimeSettings, run: _Prepared) -> None:
         self._settings = settings
         self._run = run
         self._outputs = run.steps.outputs
         self._tuning = Tuning(run.operator)
-        self._examination = Examination(scene, run.operator.grid, run.steps.outputs, run.rates)
+        self._examination = Examination(run.scene, run.operator.grid, run.steps.outputs, run.rates)
         self._scale = 1.0
         self.record = Record(health=self._examination.outputs, plans=self._tuning.plans)
 
@@ -142,6 +143,10 @@ class _Observer:
         failed = health.failure(values)
         if failed:
             raise StoppedError(point.step, point.time, failed)
+        frame, state = self._run.frame, point.state
+        if point.error is not None:
+            error = frame.moment_change(state, point.error)
+            self._examination.step(frame.clock(state, point.time), error)
         plans = len(self._tuning.plans)
         texts = self._tuning.review(point.step, point.time, f)
         if len(self._tuning.plans) > plans:
@@ -161,11 +166,9 @@ class _Observer:
         texts = self._examination.look(
             f,
             values,
-            frame.clock(state, point.time),
-            partial(frame.collisions, state),
+            lambda: frame.moment_rates(state),
             restitution=frame.restitution(state),
             heating=frame.heating(state, values["temperature"]),
-            steps_of_order_3=self._settings.dt is not None,
         )
         return texts | self._check_step(state)
 

@@ -160,7 +160,7 @@ class _CartesianPairs:
         distinct, place = np.unique(squared, return_inverse=True)
         weights = pair_weights(scene, grid.spacing * np.sqrt(distinct))
         inner = pair_weights(scene, np.array([0.5 * grid.spacing]))
-        powers = scene.kernel.exponent + np.array(WEIGHT_POWERS)
+        powers = [scene.kernel.exponent + power for power in WEIGHT_POWERS]
         excesses = lattice_excess(grid.dim, grid.N, powers)
         half = np.ix_(*(step,) * (grid.dim - 1), step[: grid.N + 1])
         transforms = [
@@ -214,7 +214,7 @@ class _RadialPairs:
         r = speeds[:, None]
         V, V_ = r**2, r.T**2
         inner = pair_weights(scene, np.array([0.5 * grid.spacing]))
-        powers = scene.kernel.exponent + np.array(WEIGHT_POWERS)
+        powers = [scene.kernel.exponent + power for power in WEIGHT_POWERS]
         near = [float(w[0]) / (0.5 * grid.spacing) ** s for w, s in zip(inner, powers, strict=True)]
         kink = PairWeights(
             *(a * radial_excess(grid.dim, speeds, s) for a, s in zip(near, powers, strict=True))
