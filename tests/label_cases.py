@@ -5,7 +5,8 @@ and the runs that break a rule. The rules (docs/method.md §10):
 
 1. no trusted run has an error above 1% in T or 0.01 in a2;
 2. no untrusted run has both errors below 1e-6;
-3. where an error is above 1e-6, the estimate is not below a third of it, and not above a hundred times it.
+3. where an error is above 1e-6, the estimate is not below a third of it, and not above a hundred times it;
+   an error above 0.1, of a run that is lost, counts as 0.1 here.
 """
 
 import sys
@@ -25,6 +26,9 @@ SMALL = 1e-6
 
 LARGE = Errors(1e-2, 1e-2)
 """Errors of T and a2 that no trusted run may have."""
+
+LOST = 0.1
+"""An error above which the gas is lost, and no estimate can tell how far."""
 
 UNDER, OVER = 3.0, 100.0
 """An estimate may be this many times below, and above, the error."""
@@ -106,7 +110,7 @@ class Outcome:
         ):
             if not self.ended or true < max(SMALL, 10 * own):
                 continue
-            if estimate * UNDER < true:
+            if estimate * UNDER < min(true, LOST):
                 found.append(f"{name} underestimated: {estimate:.1e} for {true:.1e}")
             if estimate > OVER * true:
                 found.append(f"{name} overestimated: {estimate:.1e} for {true:.1e}")

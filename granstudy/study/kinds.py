@@ -62,7 +62,7 @@ def _evolve(run: Run, solver: Solver) -> xr.Dataset:
 
 def _evolution_evaluations(run: Run, solver: SizedSolver) -> int:
     assert run.time is not None
-    return expected_evaluations(run.scene, run.time)
+    return expected_evaluations(run.scene, solver, run.time)
 
 
 def _check_law(run: Run) -> None:

@@ -21,6 +21,10 @@ RELAXATION = 0.5
 """Rate at which an error of a2 is taken to relax, in parts of the rate of linear theory."""
 
 
+STEPS_COUNT = 2.0
+"""Factor on the estimated errors of steps, which are right for one rate of change alone."""
+
+
 class Imbalance(NamedTuple):
     """How far the discrete rates of one density are from the exact ones.
 
@@ -146,8 +150,8 @@ class Examination:
         self._stepped = Change(
             self._stepped.temperature * fading.temperature
             + self._balance.shape * self._stepped.a2 * elapsed
-            + abs(error.temperature),
-            self._stepped.a2 * fading.a2 + abs(error.a2),
+            + STEPS_COUNT * abs(error.temperature),
+            self._stepped.a2 * fading.a2 + STEPS_COUNT * abs(error.a2),
         )
 
     def look(
