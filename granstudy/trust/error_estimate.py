@@ -25,6 +25,13 @@ STEPS_COUNT = 2.0
 """Factor on the estimated errors of steps, which are right for one rate of change alone."""
 
 
+SHAPE_COUNTS = 2.0
+"""Factor on the change of the cooling rate by an error of a2: errors of other moments come with it."""
+
+LARGEST_SHAPE = 1.0
+"""Error of a2 above which the cooling rate is not taken to be farther off."""
+
+
 class Imbalance(NamedTuple):
     """How far the discrete rates of one density are from the exact ones.
 
@@ -149,7 +156,7 @@ class Examination:
         )
         self._stepped = Change(
             self._stepped.temperature * fading.temperature
-            + self._balance.shape * self._stepped.a2 * elapsed
+            + self._balance.shape * min(self._stepped.a2, LARGEST_SHAPE) * elapsed
             + STEPS_COUNT * abs(error.temperature),
             self._stepped.a2 * fading.a2 + STEPS_COUNT * abs(error.a2),
         )
@@ -208,7 +215,9 @@ class Examination:
         balance = Balance(
             temperature=abs(now.temperature) + mass_error * abs(now.cooling),
             a2=abs(now.a2) + mass_error * abs(now.shaping),
-            shape=abs(now.cooling) * (theory.cooling_correction(exponent, 1.0) - 1.0),
+            shape=SHAPE_COUNTS
+            * abs(now.cooling)
+            * (theory.cooling_correction(exponent, 1.0) - 1.0),
             forgetting=heating - exponent / 2 * now.cooling,
             relaxing=2 * heating + a2_relaxation(restitution, dim, exponent) * now.frequency,
         )
@@ -224,8 +233,8 @@ class Examination:
         a2 = grown(self._settled.a2, before.a2, now.a2, now.relaxing, elapsed)
         temperature = grown(
             self._settled.temperature,
-            before.temperature + before.shape * self._settled.a2,
-            now.temperature + now.shape * a2,
+            before.temperature + before.shape * min(self._settled.a2, LARGEST_SHAPE),
+            now.temperature + now.shape * min(a2, LARGEST_SHAPE),
             now.forgetting,
             elapsed,
         )

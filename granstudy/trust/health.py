@@ -125,9 +125,10 @@ SIGNS = {
         "spectral_tail",
         "part of ∫f² in the upper quarter of the wavenumbers",
     ),
+    # what an unstable step does shows in the other signs
     "step_ratio": Sign(
         1.0,
-        2.0,
+        np.inf,
         "the step is {:.2g} times what is stable for certain: take a smaller dt, or time_rtol in its "
         "place",
         "step_ratio",

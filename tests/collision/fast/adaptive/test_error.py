@@ -14,10 +14,10 @@ def test_samples_see_an_error_wherever_it_is(dim, N):
     v = grid.velocities()
     scale = ErrorScale(grid, np.ones(grid.shape), 1.0)
     for centre in (0.0, 1.3):
-        error = np.exp(-sum((vi - centre) ** 2 for vi in v))
+        error = np.exp(-sum((vi - centre) ** 2 for vi in v) / 4)
         samples, _ = scale.samples(error.ravel()[None])
         points = samples[0, : -(2 + dim)]
         assert len(points) <= SAMPLES
-        assert np.max(points) > 0.8
+        assert np.max(points) > 0.6
         # about as many samples see it as there are points
-        assert np.mean(points > 0.1) == pytest.approx(np.mean(error > 0.1), rel=0.3)
+        assert np.mean(points > 0.1) == pytest.approx(np.mean(error > 0.1), rel=0.5)
