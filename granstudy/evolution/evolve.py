@@ -13,7 +13,7 @@ from granstudy.collision.fast.adaptive.retuning import Tuning
 from granstudy.collision.operator import collision_operator
 from granstudy.collision.protocol import CollisionOperator
 from granstudy.datasets.run_dataset import Header, Record
-from granstudy.evolution.conservation import projection
+from granstudy.evolution.conservation import Projection
 from granstudy.evolution.dataset import evolution_dataset
 from granstudy.evolution.frames.fixed import FixedFrame
 from granstudy.evolution.frames.rescaled import RescaledFrame, centred
@@ -77,6 +77,7 @@ class _Prepared:
     scene: Scene
     operator: CollisionOperator
     rates: RatesAt
+    project: Projection
     frame: Frame
     steps: FixedSteps | AdaptiveSteps
     start: np.ndarray
@@ -90,7 +91,7 @@ def _prepare(scene: Scene, solver: SizedSolver, settings: TimeSettings) -> _Prep
     operator = collision_operator(scene, solver)
     form = representation(operator, scene.symmetry)
     rates = RatesAt(scene, form.grid)
-    project = projection(form, settings.conserve, _energy_rate(rates, scene, settings))
+    project = Projection(form, settings.conserve, _energy_rate(rates, scene, settings))
     Q = collisions(operator)
     frame: Frame
     if settings.rescaled:
@@ -106,7 +107,7 @@ def _prepare(scene: Scene, solver: SizedSolver, settings: TimeSettings) -> _Prep
     else:
         steps = AdaptiveSteps(frame, scheme, settings.outputs, settings.time_rtol)
     start = frame.start(scene.density(operator.grid))
-    return _Prepared(scene, operator, rates, frame, steps, start)
+    return _Prepared(scene, operator, rates, project, frame, steps, start)
 
 
 def _energy_rate(
@@ -166,7 +167,7 @@ class _Observer:
         texts = self._examination.look(
             f,
             values,
-            lambda: frame.moment_rates(state),
+            lambda: (frame.moment_rates(state), self._run.project.energy_removed),
             restitution=frame.restitution(state),
             heating=frame.heating(state, values["temperature"]),
         )

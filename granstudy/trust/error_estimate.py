@@ -25,11 +25,8 @@ STEPS_COUNT = 2.0
 """Factor on the estimated errors of steps, which are right for one rate of change alone."""
 
 
-SHAPE_COUNTS = 2.0
-"""Factor on the change of the cooling rate by an error of a2: errors of other moments come with it."""
-
-LARGEST_SHAPE = 1.0
-"""Error of a2 above which the cooling rate is not taken to be farther off."""
+LARGEST = 1.0
+"""Largest error that is estimated, and that counts for other errors: beyond it the gas is lost."""
 
 
 class Imbalance(NamedTuple):
@@ -95,14 +92,30 @@ def imbalance(
 class Balance(NamedTuple):
     """Rates at which errors grow, and at which they are forgotten, at one time.
 
-    ``shape`` is the rate of T per error of a2.
+    ``other`` is the growth of errors of the shape that a2 does not tell. ``shape`` and ``cooling`` are the
+    rates of T for an error of a2, and for another one.
     """
 
     temperature: float
     a2: float
+    other: float
     shape: float
+    cooling: float
     forgetting: float
     relaxing: float
+
+    def temperature_growth(self, a2: float, other: float) -> float:
+        """Growth of the error of T, with errors of the shape."""
+        shape = self.shape * min(a2, LARGEST) + self.cooling * min(other, LARGEST)
+        return self.temperature + shape
+
+
+class Settled(NamedTuple):
+    """Errors that imbalance has brought: of T relative to T, of a2, and of the shape beside a2."""
+
+    temperature: float
+    a2: float
+    other: float
 
 
 class Examination:
@@ -135,7 +148,8 @@ class Examination:
         self._first: health.Moments = {}
         self._clock = self._balanced_at = 0.0
         self._balance: Balance | None = None
-        self._settled = self._stepped = Change(0.0, 0.0)
+        self._settled = Settled(0.0, 0.0, 0.0)
+        self._stepped = Change(0.0, 0.0)
         self.outputs: list[dict[str, float]] = []
 
     def step(self, clock: float, error: Change) -> None:
@@ -156,7 +170,7 @@ class Examination:
         )
         self._stepped = Change(
             self._stepped.temperature * fading.temperature
-            + self._balance.shape * min(self._stepped.a2, LARGEST_SHAPE) * elapsed
+            + self._balance.shape * min(self._stepped.a2, LARGEST) * elapsed
             + STEPS_COUNT * abs(error.temperature),
             self._stepped.a2 * fading.a2 + STEPS_COUNT * abs(error.a2),
         )
@@ -165,7 +179,7 @@ class Examination:
         self,
         f: np.ndarray,
         values: health.Moments,
-        found: Callable[[], Change],
+        found: Callable[[], tuple[Change, float]],
         *,
         restitution: Restitution,
         heating: float,
@@ -179,7 +193,8 @@ class Examination:
         values : mapping
             Moments of that density.
         found : callable
-            Returns the rates of T and a2 by the discrete equation, in a unit of the collisions' time.
+            Returns the rates of T and a2 by the discrete equation, in a unit of the collisions' time, and
+            the rate of energy that was taken from Q so that it has the exact one.
         restitution : float or callable
             Restitution in the velocities that the grid stores.
         heating : float
@@ -189,56 +204,67 @@ class Examination:
         if number == 0:
             self._first = values
             start = StartMoments(*(float(values[name]) for name in StartMoments._fields))
-            _, *off = errors_of(start, self._true)
-            self._settled = Change(*off)
+            off = errors_of(start, self._true)
+            self._settled = Settled(off.temperature, off.a2, 0.0)
         if number % self._every == 0 or number == self._last:
-            now = imbalance(self._rates(restitution), f, found(), heating)
-            self._weigh(now, float(values["density"]), restitution, heating)
+            rates, removed = found()
+            now = imbalance(self._rates(restitution), f, rates, heating)
+            removed /= self._grid.dim / 2 * values["density"] * values["temperature"]
+            self._weigh(now, removed, float(values["density"]), restitution, heating)
         grown = self._grown(self._balance)
         output = health.state_of_health(f, values, self._first, self._grid)
         output |= {
-            "temperature": grown.temperature + self._stepped.temperature,
-            "a2": grown.a2 + self._stepped.a2,
+            "temperature": min(grown.temperature + self._stepped.temperature, LARGEST),
+            "a2": min(grown.a2 + self._stepped.a2, LARGEST),
         }
         self.outputs.append(output)
         return health.warnings(output)
 
     def _weigh(
-        self, now: Imbalance, density: float, restitution: Restitution, heating: float
+        self,
+        now: Imbalance,
+        removed: float,
+        density: float,
+        restitution: Restitution,
+        heating: float,
     ) -> None:
         """Take the rates of a balance, and settle what errors have grown to since the balance before.
 
-        A mass other than the gas's makes all collisions faster or slower by the same factor.
+        A mass other than the gas's makes all collisions faster or slower by the same factor. A Q whose energy
+        had to be changed is wrong elsewhere as well: its relative rate of energy, ``removed``, is taken as
+        that of an error of the shape.
         """
         exponent, dim = self._scene.kernel.exponent, self._grid.dim
         mass_error = abs(density / self._true.density - 1.0)
         balance = Balance(
             temperature=abs(now.temperature) + mass_error * abs(now.cooling),
             a2=abs(now.a2) + mass_error * abs(now.shaping),
-            shape=SHAPE_COUNTS
-            * abs(now.cooling)
-            * (theory.cooling_correction(exponent, 1.0) - 1.0),
+            other=abs(removed),
+            shape=abs(now.cooling) * (theory.cooling_correction(exponent, 1.0) - 1.0),
+            cooling=abs(now.cooling) * exponent / 2,
             forgetting=heating - exponent / 2 * now.cooling,
             relaxing=2 * heating + a2_relaxation(restitution, dim, exponent) * now.frequency,
         )
         self._settled = self._grown(balance)
         self._balance, self._balanced_at = balance, self._clock
 
-    def _grown(self, now: Balance | None) -> Change:
+    def _grown(self, now: Balance | None) -> Settled:
         """Errors by imbalance at the present time, with rates that go evenly to those of ``now``."""
         if now is None:
             return self._settled
         before = self._balance or now
         elapsed = self._clock - self._balanced_at
-        a2 = grown(self._settled.a2, before.a2, now.a2, now.relaxing, elapsed)
+        start = self._settled
+        a2 = grown(start.a2, before.a2, now.a2, now.relaxing, elapsed)
+        other = grown(start.other, before.other, now.other, now.relaxing, elapsed)
         temperature = grown(
-            self._settled.temperature,
-            before.temperature + before.shape * min(self._settled.a2, LARGEST_SHAPE),
-            now.temperature + now.shape * min(a2, LARGEST_SHAPE),
+            start.temperature,
+            before.temperature_growth(start.a2, start.other),
+            now.temperature_growth(a2, other),
             now.forgetting,
             elapsed,
         )
-        return Change(temperature, a2)
+        return Settled(temperature, a2, other)
 
 
 def a2_relaxation(restitution: Restitution, dim: int, exponent: float) -> float:
