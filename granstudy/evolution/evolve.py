@@ -25,6 +25,7 @@ from granstudy.evolution.times import TimeSettings
 from granstudy.evolution.unknowns import collisions, representation
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Choice, SizedSolver
+from granstudy.support.errors import RAN_AWAY
 from granstudy.trust import health
 from granstudy.trust.error_estimate import Examination
 from granstudy.trust.flags import Status
@@ -139,12 +140,20 @@ class _Observer:
         StoppedError
             If the run cannot go on from that state.
         """
-        f = self._run.frame.density(point.state)
+        try:
+            self._see(point)
+        except RAN_AWAY:
+            raise StoppedError(point.step, point.time, health.NOT_FINITE) from None
+
+    def _see(self, point: Point) -> None:
+        frame, state = self._run.frame, point.state
+        f = frame.density(state)
         values = moment_values(f, self._run.operator.grid)
         failed = health.failure(values)
         if failed:
+            if not self.record.moments:
+                self._record(point, f, frame.record(values, state))
             raise StoppedError(point.step, point.time, failed)
-        frame, state = self._run.frame, point.state
         if point.error is not None:
             error = frame.moment_change(state, point.error)
             self._examination.step(frame.clock(state, point.time), error)
@@ -157,30 +166,38 @@ class _Observer:
         self.record.warn(point.time, texts)
 
     def _output(self, point: Point, f: np.ndarray, values: dict[str, Any]) -> dict[str, str]:
-        """Record and examine an output; returns its warnings, by name."""
-        record, frame, state = self.record, self._run.frame, point.state
-        every, number = self._settings.save_every, len(record.moments)
-        if every is not None and (number % every == 0 or number == self._outputs - 1):
-            record.snapshots[point.time] = f.copy()
-        record.times.append(point.time)
-        record.moments.append(frame.record(values, state))
-        texts = self._examination.look(
+        """Record and examine an output, or nothing of it; returns its warnings, by name."""
+        frame, state = self._run.frame, point.state
+        moments = frame.record(values, state)
+        signs, texts = self._check_step(state, float(moments["density"]))
+        texts |= self._examination.look(
             f,
             values,
             lambda: (frame.moment_rates(state), self._run.project.energy_removed),
             restitution=frame.restitution(state),
             heating=frame.heating(state, values["temperature"]),
         )
-        return texts | self._check_step(state)
+        self.record.health[-1].update(signs)
+        self._record(point, f, moments)
+        return texts
 
-    def _check_step(self, state: np.ndarray) -> dict[str, str]:
-        """Record a fixed step over the largest stable one; returns a warning where that is above 1."""
+    def _record(self, point: Point, f: np.ndarray, moments: dict[str, Any]) -> None:
+        """Record an output: its moments, and where they are asked for, the density."""
+        record = self.record
+        every, number = self._settings.save_every, len(record.moments)
+        if every is not None and (number % every == 0 or number == self._outputs - 1):
+            record.snapshots[point.time] = f.copy()
+        record.times.append(point.time)
+        record.moments.append(moments)
+
+    def _check_step(
+        self, state: np.ndarray, density: float
+    ) -> tuple[dict[str, float], dict[str, str]]:
+        """A fixed step over the largest stable one, a sign of health; and a warning where it is above 1."""
         dt, scheme, frame = self._settings.dt, self._settings.scheme, self._run.frame
         if dt is None:
-            return {}
+            return {}, {}
         before, self._scale = self._scale, frame.scale(state)
-        density = float(self.record.moments[-1]["density"])
         dilation_rate = float(np.log(self._scale / before)) / dt
         limit = frame.stable_step(scheme, state, density, dilation_rate)
-        self.record.health[-1]["step_ratio"] = dt / limit
-        return step_warning(dt, scheme, limit)
+        return {"step_ratio": dt / limit}, step_warning(dt, scheme, limit)

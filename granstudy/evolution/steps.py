@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from granstudy.evolution.schemes import Equation, Scheme, Step
-from granstudy.support.errors import NotFiniteError
+from granstudy.support.errors import RAN_AWAY
 from granstudy.trust import health
 
 SAFETY = 0.9
@@ -101,10 +101,10 @@ class FixedSteps:
             try:
                 first = self._scheme.first(self._equation, state)
                 made = self._scheme.step(self._equation, state, self._dt, first)
-            except NotFiniteError:
+                size = self._equation.relative_size(made.error, state)
+                error, state = self._scheme.error(size) * made.error, made.state
+            except RAN_AWAY:
                 raise StoppedError(step, step * self._dt, health.NOT_FINITE) from None
-            size = self._equation.relative_size(made.error, state)
-            error, state = self._scheme.error(size) * made.error, made.state
             yield Point(step, step * self._dt, state, True, error)
 
     def equation_changed(self) -> None:
@@ -188,9 +188,9 @@ class AdaptiveSteps:
                 self.evaluations += 1
             self.evaluations += self._scheme.evaluations - 1
             made = self._scheme.step(self._equation, state, h, self._first)
-        except NotFiniteError:
+            error = self._equation.relative_size(made.error, state) / self._rtol
+        except RAN_AWAY:
             return None, np.inf
-        error = self._equation.relative_size(made.error, state) / self._rtol
         return made, error if np.isfinite(error) else np.inf
 
     def _next_step(self, h: float, error: float) -> float:

@@ -86,8 +86,9 @@ class RescaledFrame:
         return self._join(self.form.state(f), 0.0, 0.0, bulk)
 
     def rate(self, state: np.ndarray, taken_off: float = 0.0) -> np.ndarray:
-        """The rate of change of a state, less ``taken_off`` Δg."""
+        """The rate of change of a state, less ``taken_off`` Δg; the symmetry of g is restored first."""
         g, place = self._split(state)
+        g = self.form.symmetrise(g)
         theta = np.exp(place.log_scale)
         rate = theta**self._exponent * self._collisions(g, theta)
         heating = self._epsilon * theta**-2
@@ -257,7 +258,7 @@ def centred(scene: Scene, solver: SizedSolver) -> tuple[Scene, np.ndarray]:
     grid = solver.grid(scene.dim)
     m = grid.velocity_moments(scene.density(grid))
     u = m.momentum / m.density
-    thermal = np.sqrt(np.trace(m.pressure) / (scene.dim * m.density))
+    thermal = np.sqrt(max(np.trace(m.pressure), 0.0) / (scene.dim * m.density))
     # Round-off counts as 0, so that symmetric densities keep their digits.
     u = np.where(np.abs(u) > 1e-10 * thermal, u, 0.0)
     if not u.any():
