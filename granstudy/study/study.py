@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from granstudy.datasets.parameters import parameter
+from granstudy.model.identity import coordinate
 from granstudy.runs.kinds import KINDS
 from granstudy.runs.run_key import run_keys
 from granstudy.study.checks import check_run
@@ -19,7 +20,7 @@ from granstudy.study.schema.experiment import (
     values_of,
 )
 from granstudy.study.schema.file import StudyFile, read_study_file, study_model
-from granstudy.study.schema.words import SWEPT, coordinate
+from granstudy.study.schema.words import SWEPT
 from granstudy.support.errors import unknown_name
 
 
