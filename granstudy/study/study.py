@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from granstudy.datasets.parameters import parameter
+from granstudy.model.identity import coordinate
 from granstudy.runs.kinds import KINDS
 from granstudy.runs.run_key import run_keys
 from granstudy.study.checks import check_run

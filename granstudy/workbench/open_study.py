@@ -16,9 +16,9 @@ from granstudy.analysis.tables.table import experiment_table
 from granstudy.datasets.collected import gather
 from granstudy.datasets.open_runs import open_runs
 from granstudy.datasets.unstack import unstack_runs
+from granstudy.model.identity import coordinate
 from granstudy.runs.estimates import estimate_run
 from granstudy.study.layout import Layout
-from granstudy.study.schema.words import coordinate
 from granstudy.study.state import State, check_owner, show
 from granstudy.study.study import Member, Study, load_study
 from granstudy.support.errors import unknown_name
