@@ -57,7 +57,7 @@ def draw_cooling(source: FigureSource) -> Figure:
             left.plot(time, haff_temperature(time, T0, C0), label=law, **dashed)
             right.plot(time[sampled], C0 * time[sampled], **dashed)
     left.set(xlabel="$t$", ylabel=symbol("temperature"), ylim=(0.0, None), xlim=(0.0, None))
-    left.set_title("temperature and fitted Haff laws")
+    left.set_title("temperature" + (" and fitted Haff laws" if "C0" in table else ""))
     if rows:
         handles = left.get_legend_handles_labels()
         figure.legend(*handles, loc="outside lower center", ncols=4)

@@ -40,7 +40,7 @@ NOT_TRUSTED = "open: not labelled trusted"
 
 
 def draw_states(source: FigureSource) -> Figure:
-    """Draw a2 against e, a column a table; below, particles less a2, or the error of a2, where a table has it.
+    """Draw a2 against e, a column a table; below, where a table has it, particles less a2 or a2's error.
 
     Raises
     ------

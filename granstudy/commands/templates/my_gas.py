@@ -10,9 +10,6 @@ def anisotropic(vx, vy, ratio=1.0):
     return np.exp(-(vx**2) / (2 * Tx) - vy**2 / (2 * Ty)) / (2 * np.pi * np.sqrt(Tx * Ty))
 
 
-anisotropic.symmetry = "reflections"  # in each axis: less to compute; leave out where it does not hold
-
-
 def softening(v, kappa=0.1):
     """Restitution at the normal impact speed v: 1 at rest, falling with the speed."""
     return 1.0 / (1.0 + kappa * v)
