@@ -21,7 +21,7 @@ from granstudy.study.schema.experiment import (
 from granstudy.study.schema.file import StudyFile, read_study_file, study_model
 from granstudy.study.schema.names import check_run_path
 from granstudy.study.schema.sweeps import values_of
-from granstudy.study.schema.words import SWEPT, coordinate
+from granstudy.study.schema.words import SWEPT
 from granstudy.support.errors import unknown_name
 
 
