@@ -10,9 +10,10 @@ from granstudy.collision.choice.grid import fit_solver
 from granstudy.collision.choice.methods import check_fits, maker
 from granstudy.collision.fast.gpu.operator import check as check_gpu
 from granstudy.collision.protocol import CollisionOperator
+from granstudy.model.choice import Choice
 from granstudy.model.restitution import check_restitution
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Choice, Solver
+from granstudy.model.solver import Solver
 
 FORK = "no run follows or hashes this module (granstudy.support.fingerprint)"
 """Mark of a fork."""

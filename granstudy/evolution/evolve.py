@@ -22,8 +22,9 @@ from granstudy.evolution.stability import step_warning
 from granstudy.evolution.steps import AdaptiveSteps, FixedSteps, Point, StoppedError
 from granstudy.evolution.times import TimeSettings
 from granstudy.evolution.unknowns import collisions, representation
+from granstudy.model.choice import Choice
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Choice, SizedSolver
+from granstudy.model.solver import SizedSolver
 from granstudy.support.errors import RAN_AWAY
 from granstudy.support.progress import Progress, watched
 from granstudy.trust import health

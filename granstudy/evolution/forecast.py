@@ -12,10 +12,11 @@ from granstudy.collision.operator import choose, collision_operator
 from granstudy.evolution.schemes import SCHEMES
 from granstudy.evolution.stability import adaptive_steps
 from granstudy.evolution.times import TimeSettings
+from granstudy.model.choice import Choice
 from granstudy.model.methods import METHODS
 from granstudy.model.restitution import check_restitution
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Choice, SizedSolver, Solver
+from granstudy.model.solver import SizedSolver, Solver
 from granstudy.particles.cost import EFFICIENCY, particle_cost
 from granstudy.particles.restitution_table import alpha_table
 from granstudy.velocity.radial import RadialGrid

@@ -1,9 +1,7 @@
 """Solver: the grid, the quadrature and the method that a scene is modelled with."""
 
 import dataclasses
-import json
 import math
-import os
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, ClassVar
@@ -165,9 +163,8 @@ class Solver:
             self._check_rtol(self.rtol)
         if self.traits.by_particles:
             self._check_particles()
-        is_path = isinstance(self.sphere_rule, str | os.PathLike)
-        of_file = is_path and self.sphere_rule not in SPHERE_RULES
-        digest = file_digest(self.sphere_rule) if of_file else None
+        named = self.sphere_rule in SPHERE_RULES
+        digest = None if named else file_digest(self.sphere_rule)
         object.__setattr__(self, "_sphere_rule_sha256", digest)
 
     def _make_plain(self) -> None:
@@ -389,29 +386,3 @@ class SizedSolver(Solver):
         beyond, and those modes are dropped.
         """
         return 2 * math.ceil(3 * self.N / 4) if self.dealias else self.N
-
-
-@dataclass(frozen=True)
-class Choice:
-    """A solver as it was asked for, and as it was chosen for a scene (`granstudy.choose`).
-
-    Attributes
-    ----------
-    asked : Solver
-        The solver asked for, which may leave grid or method open.
-    solver : SizedSolver
-        The solver chosen; the same where nothing was open.
-    reason : str
-        Why, in a line; "" where nothing was open.
-    """
-
-    asked: Solver
-    solver: SizedSolver
-    reason: str
-
-    def attributes(self) -> dict[str, str]:
-        """Attributes of a dataset beside its ``solver``: none where nothing was open."""
-        if self.solver == self.asked:
-            return {}
-        asked = json.dumps(self.asked.describe(), sort_keys=True)
-        return {"asked_solver": asked, "choice": self.reason}
