@@ -9,6 +9,7 @@ from granstudy.collision.fast.adaptive.search import make_plan
 from granstudy.collision.fast.operator import MakeGain, gain_sum
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver
+from granstudy.velocity.symmetry import Symmetry
 
 
 class AdaptiveOperator:
@@ -30,6 +31,11 @@ class AdaptiveOperator:
     def __call__(self, f: np.ndarray) -> np.ndarray:
         """Q(f,f) of a real density."""
         return self.operator(f)
+
+    @property
+    def group(self) -> Symmetry:
+        """The symmetry that densities must have."""
+        return self.operator.group
 
     def transform(self) -> None:
         """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
