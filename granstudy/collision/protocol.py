@@ -7,6 +7,7 @@ import numpy as np
 from granstudy.support.errors import NotFiniteError
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.space import VelocitySpace, check_shape
+from granstudy.velocity.symmetry import Symmetry
 
 
 class CollisionOperator(Protocol):
@@ -51,6 +52,15 @@ class SpectrumOperator(CollisionOperator, Protocol):
 
     def spectrum(self, f_hat: np.ndarray) -> np.ndarray:
         """Q̂ from f̂, both in FFT order and normalised by N^d (docs/method.md §2)."""
+
+
+@runtime_checkable
+class SymmetricOperator(CollisionOperator, Protocol):
+    """An operator that takes densities of a symmetry alone: its sum has one node of each orbit."""
+
+    @property
+    def group(self) -> Symmetry:
+        """The symmetry."""
 
 
 def check_state(f: np.ndarray, grid: VelocitySpace) -> None:

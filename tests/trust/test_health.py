@@ -68,7 +68,8 @@ def test_labels_and_estimates_are_right(law, N, R, settings):
         float(ds[f"{name}_error_estimate"][-1]) for name in ("temperature", "a2")
     )
     assert T_error < 3 * T_estimate + 1e-6
-    assert a2_error < 3 * a2_estimate + 1e-5
+    # beyond an error of 1 the gas is lost, and the estimate says 1
+    assert min(a2_error, 1.0) < 3 * a2_estimate + 1e-5
 
 
 def power_law(N, R):

@@ -43,11 +43,8 @@ class FixedFrame:
         return self.form.state(f)
 
     def rate(self, state: np.ndarray, taken_off: float = 0.0) -> np.ndarray:
-        """The rate of change Q + (ε − taken_off) Δf; ``taken_off`` is ε or 0.
-
-        Q is that of the state with its symmetry restored: within a large step, round-off can grow.
-        """
-        Q = self._collisions(self.form.symmetrise(state))
+        """The rate of change Q + (ε − taken_off) Δf; ``taken_off`` is ε or 0."""
+        Q = self._collisions(state)
         return Q if taken_off == self._epsilon else Q + self._diffusion(state)
 
     def moment_change(self, state: np.ndarray, change: np.ndarray) -> Change:

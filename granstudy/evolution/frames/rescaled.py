@@ -86,9 +86,8 @@ class RescaledFrame:
         return self._join(self.form.state(f), 0.0, 0.0, bulk)
 
     def rate(self, state: np.ndarray, taken_off: float = 0.0) -> np.ndarray:
-        """The rate of change of a state, less ``taken_off`` Δg; the symmetry of g is restored first."""
+        """The rate of change of a state, less ``taken_off`` Δg."""
         g, place = self._split(state)
-        g = self.form.symmetrise(g)
         theta = np.exp(place.log_scale)
         rate = theta**self._exponent * self._collisions(g, theta)
         heating = self._epsilon * theta**-2

@@ -12,6 +12,7 @@ from granstudy.collision.fast.operator import MakeGain, gain_sum
 from granstudy.collision.fourier.threads import OneAtATime
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver
+from granstudy.velocity.symmetry import Symmetry
 
 
 class AdaptiveOperator:
@@ -46,6 +47,11 @@ class AdaptiveOperator:
         """Q(f,f) of a real density."""
         with self._one_at_a_time:
             return self.operator(f)
+
+    @property
+    def group(self) -> Symmetry:
+        """The symmetry that densities must have."""
+        return self.operator.group
 
     def transform(self) -> None:
         """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
