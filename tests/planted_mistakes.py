@@ -1,3 +1,4 @@
+# ruff: noqa: E501 (a row is a mistake)
 """A study of every kind of run, and mistakes planted in it: what is written, where, and what it is told."""
 
 import re
