@@ -1,4 +1,4 @@
-"""Random mistakes in study files: a shipped study, or one with code of its own, with a few things in it changed."""
+"""Random mistakes in study files: a shipped study, or one with code of its own, a few things changed."""
 
 import copy
 import random
@@ -167,11 +167,7 @@ def _alike(chance, study):
 
 def _give(chance, study):
     """A field that its section has elsewhere."""
-    places = [
-        (node, key)
-        for node, key in _places(study)
-        if isinstance(node.get(key) if isinstance(node, dict) else node[key], dict)
-    ]
+    places = [(node, key) for node, key in _places(study) if isinstance(node[key], dict)]
     container, key = chance.choice(places)
     word, value = chance.choice(FIELDS.get(key, [("title", "t")]))
     container[key][word] = copy.deepcopy(value)
@@ -180,9 +176,8 @@ def _give(chance, study):
 def _sweep(chance, study):
     """A word of the sweep, with a value that it has elsewhere."""
     words = [word for word in SWEPT if word in CORPUS]
-    for section in (
-        study.get("experiments", {}).values() if isinstance(study.get("experiments"), dict) else ()
-    ):
+    found = study.get("experiments")
+    for section in found.values() if isinstance(found, dict) else ():
         blocks = section.get("sweep") if isinstance(section, dict) else None
         word = chance.choice(words)
         for block in blocks if isinstance(blocks, list) else ():
