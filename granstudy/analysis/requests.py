@@ -72,13 +72,14 @@ def _planned(
     if len(there) < len(beside):
         return None
     try:
-        return planned_table(_source(study, name, there))
+        return planned_table(table_source(study, name, there))
     except ValueError as error:
         mistakes += [_line(name, text, "table") for text in str(error).splitlines()]
         return None
 
 
-def _source(study: Study, name: str, beside: list[xr.Dataset]) -> TableSource:
+def table_source(study: Study, name: str, beside: list[xr.Dataset]) -> TableSource:
+    """The source of an experiment's table before any run: without files."""
     experiment, runs = study.model.experiments[name], study.runs[name]
     asked = experiment.table
     quantity = KINDS[experiment.run].quantity if asked is None else asked.quantity
@@ -100,7 +101,7 @@ def _of_figure(study: Study, name: str, tables: Mapping[str, xr.Dataset | None])
     beside, table = [other for other in others if other is not None], tables.get(name)
     if table is None or len(beside) < len(others):
         return []
-    source = _source(study, name, [])
+    source = table_source(study, name, [])
     figure = FigureSource(
         experiment=experiment, runs=source.runs, files=source.files, beside=beside, table=table
     )

@@ -106,12 +106,15 @@ LEAST_MEMORY_MB = 8.0
 
 
 def with_order(table: xr.Dataset, source: TableSource) -> xr.Dataset:
-    """Add `order`, the fitted slope of each group of runs that differ in ``fit.x`` alone."""
+    """Add `order`, the fitted slope of each group of runs that differ in ``fit.x`` alone.
+
+    Runs without an error, as they ended early, do not count.
+    """
     x, swept = _refined(table, source), table.attrs["swept"].split()
     order = np.full(table.sizes["run"], np.nan)
     for members in groups(keys(table, [name for name in swept if name != x])).values():
         error = table[source.quantity].values[members]
-        order[members], _ = fit_order(table[x].values[members], error)
+        order[members] = growth_exponent(table[x].values[members], error)
     table["order"] = computed("order", order, of=source.quantity, x=x)
     table.attrs["refined"] = x
     return table

@@ -32,8 +32,13 @@ from granstudy.trust.exact_law import has_exact_law
 from granstudy.trust.flags import Status
 from granstudy.velocity.moments import FRAME, MOMENTS
 
-SCALARS = tuple(name for name, quantity in MOMENTS.items() if not quantity.dimensions)
-"""Moments that are numbers."""
+ON_GRIDS = ("minimum",)
+"""Moments that particles do not have."""
+
+SCALARS = tuple(
+    name for name, quantity in MOMENTS.items() if not quantity.dimensions and name not in ON_GRIDS
+)
+"""Moments that are numbers, and that all runs have."""
 
 HAVE: dict[str, tuple[str, Callable[[Run], bool]]] = {
     **dict.fromkeys((*SCALARS, "density_drift"), ("all runs", lambda run: True)),
@@ -41,7 +46,7 @@ HAVE: dict[str, tuple[str, Callable[[Run], bool]]] = {
         ("temperature_error_estimate", "a2_error_estimate"), ("all runs", lambda run: True)
     ),
     **dict.fromkeys(
-        ("mass_drift", "momentum_drift", "edge", "spectral_tail"),
+        (*ON_GRIDS, "mass_drift", "momentum_drift", "edge", "spectral_tail"),
         ("runs on a grid", lambda run: not run.solver.traits.by_particles),
     ),
     "step_ratio": (
@@ -213,7 +218,8 @@ def _swept(name: str, values: list[Any]) -> dict[str, Any]:
 
 def _coordinates(run: Run) -> dict[str, Any]:
     """The parameters of a run that its dataset has as coordinates."""
-    times = {} if run.time is None else run.time.coordinates()
+    on_grid = run.time is not None and not run.solver.traits.by_particles
+    times = _time(run).coordinates() if on_grid else {}
     return {**run.scene.coordinates(), **run.solver.coordinates(run.scene.dim), **times}
 
 

@@ -8,7 +8,7 @@ from pydantic.fields import FieldInfo
 
 from granstudy.study.schema.experiment import Experiment
 from granstudy.study.schema.generated import OLD_WORDS, Section
-from granstudy.study.schema.values import TYPE_ERRORS, members, refusal
+from granstudy.study.schema.values import TYPE_ERRORS, members, refusal, shown
 from granstudy.support.errors import nearest, unknown_name
 
 
@@ -95,6 +95,9 @@ def _lines(mistake: Mistake) -> list[str]:
 def _mistake(problem: Any, file: type[Section]) -> Mistake:
     kind, value = problem["type"], problem["input"]
     match problem["loc"]:
+        case ("experiments", name) if not isinstance(value, dict):
+            what = f"value {shown(value)}: must be a section with run: {', '.join(EXPERIMENTS)}"
+            return Mistake(("experiments", str(name)), [what], False)
         case ("experiments", name) if kind.startswith("union_tag"):
             return Mistake((), _without_kind(f"experiments.{name}", value), False)
         case ("experiments", name, run, *path) if run in EXPERIMENTS:
@@ -126,7 +129,8 @@ def _without_kind(where: str, experiment: Any) -> list[str]:
 
 
 def _unknown(name: object, known: list[str]) -> str:
-    close = nearest(str(name), [*known, *OLD_WORDS])
+    old = [word for word, new in OLD_WORDS.items() if new in known]
+    close = nearest(str(name), [*known, *old])
     return f"unknown field{close}; allowed are {', '.join(known)}"
 
 
