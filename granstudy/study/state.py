@@ -76,14 +76,21 @@ class State:
         return found
 
 
-def check_owner(layout: Layout, file: str | Path) -> None:
+def check_owner(layout: Layout, file: str | Path | None) -> None:
     """Raise ValueError where the results of another study file lie under the study's name.
 
-    A study file that is no longer there has given up its name.
+    A study file that is no longer there has given up its name. A study that was built in Python has no file,
+    and its name is free.
     """
     owner = read_json(layout.manifest).get("file")
-    own = Path(file).resolve()
-    if owner and Path(owner).is_file() and not own.samefile(owner):
+    if not owner or not Path(owner).is_file():
+        return
+    if file is None:
+        raise ValueError(
+            f"study {layout.study.name!r}: {layout.results} holds the results of {owner}; give another "
+            "name, or another folder of results"
+        )
+    if not Path(file).samefile(owner):
         raise ValueError(
             f"{file}: {layout.results} holds the results of another study, {owner}; rename one of the "
             "two files, or give another folder: --config results=..."
