@@ -14,6 +14,7 @@ from granstudy.analysis.figures.figure import draw
 from granstudy.analysis.requests import check_requests
 from granstudy.analysis.tables.table import experiment_table
 from granstudy.datasets.collected import gather
+from granstudy.datasets.netcdf import read_dataset
 from granstudy.datasets.open_runs import open_runs
 from granstudy.datasets.unstack import unstack_runs
 from granstudy.model.identity import coordinate
@@ -147,10 +148,13 @@ class OpenStudy:
         RuntimeError
             If runs could not be computed, with the cause of each; the others were.
         """
+        self.show()  # so that the study has these runs, whatever becomes of this process
         tasks = [_task(same) for same in self._state.missing]
         store = self.layout.store
-        found = compute(tasks, store, client=client, workers=workers, progress=progress)
-        self.show()
+        try:
+            found = compute(tasks, store, client=client, workers=workers, progress=progress)
+        finally:
+            self.show()
         causes = [f"{one.key}: {one.cause}" for one in found.values() if isinstance(one, Failure)]
         if causes:
             raise RuntimeError(
@@ -158,9 +162,14 @@ class OpenStudy:
             )
 
     def show(self) -> None:
-        """Make the study's folder of runs show the study as it is now."""
-        if self._file is not None:
-            check_owner(self.layout, self._file)
+        """Make the study's folder of runs show the study as it is now.
+
+        Raises
+        ------
+        ValueError
+            If the results of another study lie under the study's name.
+        """
+        check_owner(self.layout, self._file)
         show(self._state, self._file)
 
     def dataset(
@@ -184,12 +193,19 @@ class OpenStudy:
         stacked : bool
             Whether the runs lie over one dimension ``run``.
 
+        Returns
+        -------
+        xarray.Dataset
+            Of a benchmark the dataset that `snakemake` wrote.
+
         Raises
         ------
         ValueError
             For an unknown experiment, or one without runs yet.
         """
         name = self._named(experiment)
+        if self._study.is_timed(name):
+            return read_dataset(self._timed_file(name))
         there = self._there(name)
         if not there:
             raise ValueError(f"{name}: no run is there yet; study.compute(), or snakemake")
@@ -245,10 +261,12 @@ class OpenStudy:
 
     def _tables(self, names: Sequence[str]) -> dict[str, xr.Dataset]:
         """Tables of experiments, each after those that stand beside it."""
-        found = {}
+        found, there = {}, self._state.there
         for name in names:
             model = self._study.model.experiments[name]
-            lacking = [m for m in self._members(name) if m.key not in self._state.there]
+            if self._study.is_timed(name):
+                self._timed_file(name)
+            lacking = [m for m in self._members(name) if m.key not in there]
             if lacking:
                 raise ValueError(
                     f"{name}: {len(lacking)} runs are missing; study.compute(), or snakemake"
@@ -270,9 +288,25 @@ class OpenStudy:
         =====================  ===================================================================
 
         NaN where a law does not hold: restitution that is no constant, gases without heating, e = 1.
+
+        Raises
+        ------
+        ValueError
+            If no run is there yet, or the experiment's runs have no temperature.
         """
         name = self._named(experiment)
-        return theories(self.dataset(name), self._dim(name))
+        runs = self.dataset(name)
+        if "temperature" not in runs:
+            kind = self._study.model.experiments[name].computes
+            raise ValueError(f"{name}: {kind} runs have no temperature that a theory is of")
+        return theories(runs, self._dim(name))
+
+    def _timed_file(self, name: str) -> str:
+        """Dataset of a benchmark; ValueError where there is none yet."""
+        path = self.layout.benchmark_file(name)
+        if not Path(path).is_file():
+            raise ValueError(f"{name}: is a benchmark without timings yet; snakemake makes them")
+        return path
 
     def _dim(self, name: str) -> int:
         return next(iter(self._study.runs[name].values())).scene.dim
@@ -345,7 +379,8 @@ def open_study(
     Raises
     ------
     ValueError
-        One line for each mistake in the study, with field, value and what is allowed.
+        One line for each mistake in the study, with field, value and what is allowed; and if the results of
+        another study lie under its name.
 
     Examples
     --------
@@ -356,4 +391,6 @@ def open_study(
     loaded = load_study(study, name)
     file = None if isinstance(study, Mapping) else study
     check_requests(loaded, file or "")
-    return OpenStudy(loaded, results, file)
+    opened = OpenStudy(loaded, results, file)
+    check_owner(opened.layout, file)
+    return opened

@@ -1,5 +1,6 @@
 """Theory beside runs: cooling laws and states of their gases."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -24,7 +25,8 @@ def theories(runs: xr.Dataset, dim: int) -> xr.Dataset:
     Parameters
     ----------
     runs : xarray.Dataset
-        Runs with the coordinates e, exponent, strength and diffusion.
+        Runs with a temperature, and with the coordinates exponent, strength, diffusion, and e where
+        restitution is a constant.
     dim : int
         Velocity dimension.
 
@@ -36,7 +38,8 @@ def theories(runs: xr.Dataset, dim: int) -> xr.Dataset:
     first = runs["temperature"]
     for axis in {"time", "output"} & set(first.dims):
         first = first.isel({axis: 0})
-    gases = [runs[name] for name in ("e", "exponent", "strength", "diffusion")]
+    e = runs.coords.get("e", xr.DataArray(np.nan))
+    gases = [e, *(runs[name] for name in ("exponent", "strength", "diffusion"))]
     broadcast = xr.broadcast(*gases, first.reset_coords(drop=True))
     found = {}
     for name, law in LAWS.items():
@@ -85,7 +88,7 @@ def _guarded(law: Law, dim: int) -> Callable[..., float]:
     """The law, NaN for a gas without constant e below 1."""
 
     def value(e: float, exponent: float, strength: float, eps: float, T: float) -> float:
-        if not 0.0 <= e < 1.0 or not np.isfinite(T):
+        if not (math.isfinite(e) and 0.0 <= e < 1.0 and math.isfinite(T)):
             return np.nan
         return float(law(e, exponent, strength, eps, T, dim))
 
