@@ -1,62 +1,86 @@
 """Sweeps over a function of the user that returns a dataset."""
 
+import inspect
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from granstudy.datasets.columns import absent
+from granstudy.datasets.gathering import agreed
 from granstudy.runs.store import Store
+from granstudy.support.own_code.code import name_of
 from granstudy.trust.flags import Status, flag_variable
-from granstudy.workbench.tasks import CallTask, call_keys
+from granstudy.workbench.points import shown
+from granstudy.workbench.tasks import CallTask, call_key
 
 
 def call_tasks(
-    function: Callable[..., xr.Dataset], points: list[dict[str, Any]], fixed: Mapping[str, Any]
+    function: Callable[..., xr.Dataset], points: Sequence[dict[str, Any]], fixed: Mapping[str, Any]
 ) -> list[CallTask]:
-    """The call of a function at each point."""
-    keys = call_keys(function, points, fixed)
-    return [
-        CallTask(function, {**fixed, **point}, key) for point, key in zip(points, keys, strict=True)
-    ]
+    """The call of a function at each point.
+
+    Raises
+    ------
+    ValueError
+        For arguments that the function does not take, and a function or an argument that has no content to be
+        known by.
+    """
+    tasks, signature = [], inspect.signature(function)
+    for point in points:
+        arguments = {**fixed, **point}
+        try:
+            bound = signature.bind(**arguments)
+        except TypeError as error:
+            raise ValueError(f"{shown(point)}: {name_of(function)}: {error}") from None
+        bound.apply_defaults()  # so that a default that is given is the same call
+        tasks.append(CallTask(function, arguments, call_key(function, bound.arguments)))
+    return tasks
 
 
-def call_dataset(
-    tasks: Sequence[CallTask],
-    points: Sequence[dict[str, Any]],
-    store: Store,
-    failures: Mapping[str, str],
-) -> xr.Dataset:
-    """What the calls returned, over the swept parameters; a call that failed has its cause as `reason`."""
-    found = []
-    for task in tasks:
-        ds = store.read(task.key)
-        if ds is None:
-            ds = _failed(failures.get(task.key, "it is not in the store"))
-        found.append(_with_reason(ds))
-    dims = list(points[0])
-    index = {name: list(dict.fromkeys(_label(point[name]) for point in points)) for name in dims}
-    joined = xr.concat(
-        found, "point", join="outer", data_vars="all", coords="minimal", compat="override",
-        combine_attrs="drop_conflicts",
-    )  # fmt: skip
-    sizes = [len(values) for values in index.values()]
-    variables = {
-        name: _folded(variable, dims, sizes) for name, variable in joined.data_vars.items()
-    }
-    others = {name: c for name, c in joined.coords.items() if "point" not in c.dims}
-    return xr.Dataset(variables, {**others, **index}, joined.attrs)
+def call_runs(keys: Sequence[str], store: Store) -> xr.Dataset:
+    """What calls returned, over ``run``, with `run_key`, `status` and `reason`.
+
+    Results are put on common axes: where one has no value at an entry of an axis, it has a hole there
+    (`granstudy.datasets.columns.absent`), as it has for a variable that it lacks.
+
+    Raises
+    ------
+    ValueError
+        If results differ in the axes of a variable, or in the length of an axis without coordinates.
+    """
+    read = {key: store.read(key) for key in keys}
+    found = [_with_reason(ds) for ds in read.values() if ds is not None]
+    scalars = {name for ds in found for name in ds.coords if name not in ds.dims}
+    found = [ds.reset_coords() for ds in found]
+    kinds = {name: v.dtype for ds in found for name, v in ds.variables.items()}
+    holes = {name: absent(str(name), kind) for name, kind in kinds.items()}
+    try:
+        aligned = xr.align(*found, join="outer", fill_value=holes)
+    except ValueError as error:
+        raise ValueError(f"what the function returns has no common axes: {error}") from None
+    names = dict.fromkeys(name for ds in aligned for name in ds.data_vars)
+    held = {name: _over_runs(str(name), [ds.get(name) for ds in aligned]) for name in names}
+    axes = {name: axis for ds in aligned for name, axis in ds.coords.items()}
+    attributes = aligned[0].attrs
+    for ds in aligned:
+        attributes = agreed(attributes, ds.attrs)
+    runs = xr.Dataset(held, axes, attributes).assign(run_key=("run", list(read)))
+    return runs.set_coords(["run_key", *scalars])
 
 
-def _folded(variable: xr.DataArray, dims: Sequence[str], sizes: Sequence[int]) -> xr.Variable:
-    """A variable over the points, which are in the order of a product, over the product's parameters."""
-    moved = variable.variable.transpose("point", ...)
-    shape = (*sizes, *moved.shape[1:])
-    return xr.Variable((*dims, *moved.dims[1:]), moved.values.reshape(shape), moved.attrs)
-
-
-def _failed(reason: str) -> xr.Dataset:
-    return xr.Dataset({"status": flag_variable(Status.FAILED, "how the run ended", reason=reason)})
+def _over_runs(name: str, values: Sequence[xr.DataArray | None]) -> xr.Variable:
+    """A variable of all runs; holes where a run lacks it."""
+    known = [one for one in values if one is not None]
+    dims, hole = known[0].dims, absent(name, known[0].dtype)
+    if any(one.dims != dims for one in known):
+        raise ValueError(f"{name}: has the axes {' and '.join({str(one.dims) for one in known})}")
+    rows = [np.full(known[0].shape, hole) if one is None else one.values for one in values]
+    attributes = known[0].attrs
+    for one in known:
+        attributes = agreed(attributes, one.attrs)
+    return xr.Variable(("run", *dims), np.stack(rows), attributes)
 
 
 def _with_reason(ds: xr.Dataset) -> xr.Dataset:
@@ -65,11 +89,6 @@ def _with_reason(ds: xr.Dataset) -> xr.Dataset:
         ds = ds.assign(status=flag_variable(Status.OK, "how the run ended"))
     attributes = dict(ds["status"].attrs)
     reason = str(attributes.pop("reason", ""))
-    ds = ds.drop_attrs(deep=False).assign(reason=((), np.array(reason, dtype=object)))
+    ds = ds.assign(reason=((), np.array(reason)))
     ds["status"].attrs = attributes
     return ds
-
-
-def _label(value: Any) -> Any:
-    """A value as a label along a dimension."""
-    return value if isinstance(value, bool | int | float | str) else str(value)

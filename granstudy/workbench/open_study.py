@@ -4,22 +4,21 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 import xarray as xr
-from distributed import Client
 from matplotlib.figure import Figure
 
 from granstudy.analysis.figures.figure import draw
+from granstudy.analysis.requests import check_requests
 from granstudy.analysis.tables.table import experiment_table
-from granstudy.analysis.vocabulary import check_words
 from granstudy.datasets.collected import gather
 from granstudy.datasets.open_runs import open_runs
 from granstudy.datasets.unstack import unstack_runs
+from granstudy.model.identity import coordinate
 from granstudy.runs.estimates import estimate_run
 from granstudy.study.layout import Layout
-from granstudy.study.schema.words import coordinate
 from granstudy.study.state import State, check_owner, show
 from granstudy.study.study import Member, Study, load_study
 from granstudy.support.errors import unknown_name
@@ -28,6 +27,9 @@ from granstudy.trust.flags import flag_word
 from granstudy.workbench.compute import Failure, compute
 from granstudy.workbench.tasks import RunTask
 from granstudy.workbench.theories import theories
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 GATHERED_FROM = 200
 """Runs of an experiment from which on what was gathered is kept in a file."""
@@ -127,7 +129,7 @@ class OpenStudy:
     def compute(
         self,
         *,
-        client: Client | None = None,
+        client: "Client | None" = None,
         workers: int | None = None,
         progress: bool | None = None,
     ) -> None:
@@ -353,5 +355,5 @@ def open_study(
     """
     loaded = load_study(study, name)
     file = None if isinstance(study, Mapping) else study
-    check_words(loaded.model, file or "")
+    check_requests(loaded, file or "")
     return OpenStudy(loaded, results, file)

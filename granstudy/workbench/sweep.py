@@ -1,36 +1,33 @@
 """A sweep in Python: every point a run in the store, the answer one labelled dataset."""
 
-import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import xarray as xr
-from distributed import Client
 
 from granstudy.datasets.collected import gather
 from granstudy.datasets.open_runs import open_runs
-from granstudy.datasets.parameters import parameter
-from granstudy.datasets.unstack import unstack_runs
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.runs.computation import Computation, Refinement
 from granstudy.runs.estimates import estimate_run
+from granstudy.runs.execute import Outcome
+from granstudy.runs.kinds import KINDS
 from granstudy.runs.run_key import run_keys
 from granstudy.runs.store import Store
 from granstudy.study.checks import check_computation
-from granstudy.study.schema.sections import RangeModel
-from granstudy.study.schema.words import coordinate
-from granstudy.trust.flags import Status
-from granstudy.workbench.calls import call_dataset, call_tasks
+from granstudy.support.errors import unknown_name
+from granstudy.support.own_code.code import name_of
+from granstudy.workbench.calls import call_runs, call_tasks
 from granstudy.workbench.compute import Failure, compute
+from granstudy.workbench.points import Point, Values, at_points, labels, listed, product, shown
 from granstudy.workbench.roots import write_root
 from granstudy.workbench.tasks import RunTask
 from granstudy.workbench.words import computation_at
 
-Values = Sequence[Any] | np.ndarray | Mapping[str, Any]
-"""Values of a swept parameter; or a range, ``{"start": .., "stop": .., "count": ..}``, as in study files."""
+if TYPE_CHECKING:
+    from distributed import Client
 
 
 def sweep(
@@ -43,7 +40,7 @@ def sweep(
     results: str | Path = "results",
     name: str | None = None,
     densities: bool = False,
-    client: Client | None = None,
+    client: "Client | None" = None,
     workers: int | None = None,
     progress: bool | None = None,
     **fixed: Any,
@@ -103,63 +100,50 @@ def sweep(
     >>> gs.sweep("maxwellian3d", gs.Solver(N=32, R=8.0, method="radial"),
     ...          over={"e": [0.5, 0.7, 0.9]}, t_final=3.0, dt=0.02, exponent=1.0)  # doctest: +SKIP
     """
-    points = _points(over)
+    lists = listed(over, fixed)
+    points = product(lists)
     store = Store.beside(results)
-    if callable(scene) and not isinstance(scene, Scene | str):
+    how: dict[str, Any] = {"client": client, "workers": workers, "progress": progress}
+    if callable(scene) and not isinstance(scene, Scene):
         if solver is not None or state is not None or refine is not None:
-            raise ValueError("solver, state, refine: a function takes its own arguments alone")
+            raise ValueError(
+                f"solver, state, refine: {name_of(scene)} is called, and takes its own arguments alone; a "
+                "density of one's own becomes a scene by load_scene"
+            )
+        labelled = labels(lists, points)
         calls = call_tasks(scene, points, fixed)
-        write_root(results, name, [call.key for call in calls])
-        found = compute(calls, store, client=client, workers=workers, progress=progress)
-        return call_dataset(calls, points, store, _failures(found))
+        keys = [call.key for call in calls]
+        write_root(results, name, keys)
+        failures = _failures(compute(calls, store, **how))
+        runs = call_runs(_there(keys, failures), store)
+        return at_points(runs, keys, labelled, failures)
     kind = "evolution" if state is None else f"{state} state"
-    ladder = None if refine is None else _ladder(refine)
-    computations = [_checked(kind, scene, solver, {**fixed, **point}, ladder) for point in points]
+    if kind not in KINDS:
+        raise unknown_name("state", state, ["cooling", "heated"])
+    ladder = None if refine is None else _ladder(refine, {*lists, *fixed})
+    computations = [_checked(kind, scene, solver, point, fixed, ladder) for point in points]
+    labelled = labels(lists, points, lambda place: _coordinates(computations[place]))
+    keys = run_keys(computations)
     tasks = [
         RunTask(one, key, estimate_run(one).cost.seconds)
-        for one, key in zip(computations, run_keys(computations), strict=True)
+        for one, key in zip(computations, keys, strict=True)
     ]
-    write_root(results, name, [task.key for task in tasks])
-    found = compute(tasks, store, client=client, workers=workers, progress=progress)
-    return _dataset(tasks, points, store, _failures(found), densities)
+    write_root(results, name, keys)
+    failures = _failures(compute(tasks, store, **how))
+    files = {key: store.path(key) for key in _there(keys, failures)}
+    runs = open_runs(list(files.values()), densities=True) if densities else gather(files)
+    return at_points(runs, keys, labelled, failures)
 
 
-def _points(over: Mapping[str, Values]) -> list[dict[str, Any]]:
-    """All points of the product; ValueError for a parameter without values."""
-    if not over:
-        raise ValueError("over={}: give at least one parameter and its values")
-    lists = {name: _listed(name, values) for name, values in over.items()}
-    return [dict(zip(lists, point, strict=True)) for point in itertools.product(*lists.values())]
-
-
-def _listed(name: str, values: Values) -> list[Any]:
-    if isinstance(values, Mapping):
-        found: list[Any] = list(RangeModel.model_validate(dict(values)).values())
-    elif isinstance(values, str) or not isinstance(values, Sequence | np.ndarray | xr.DataArray):
-        raise ValueError(f"over[{name!r}]={values!r}: must be a list of values, or a range")
-    else:
-        found = [_plain(value) for value in np.asarray(values, dtype=object).tolist()]
-    if not found:
-        raise ValueError(f"over[{name!r}]: is empty; give at least one value")
-    real = parameter(coordinate(name)).real
-    found = [float(value) if real and type(value) is int else value for value in found]
-    if len(set(map(repr, found))) < len(found):
-        raise ValueError(f"over[{name!r}]={found}: has a value twice")
-    return found
-
-
-def _plain(value: Any) -> Any:
-    """A number of NumPy as one of Python."""
-    return value.item() if isinstance(value, np.generic) else value
-
-
-def _ladder(refine: Mapping[str, Any]) -> Refinement:
-    """The ladder of ``refine``."""
+def _ladder(refine: Mapping[str, Any], others: Collection[str]) -> Refinement:
+    """The ladder of ``refine``; ``others`` are words that the sweep sets beside it."""
     limits = {key: refine[key] for key in ("temperature", "a2") if key in refine}
     ladders = {key: value for key, value in refine.items() if key not in limits}
     if len(ladders) != 1:
         raise ValueError(f"refine={dict(refine)}: give N or R with its values, temperature, a2")
     ((over, values),) = ladders.items()
+    if over in others:
+        raise ValueError(f"{over}: refine goes up its values; leave it out elsewhere")
     return Refinement(over, tuple(values), **limits)
 
 
@@ -167,70 +151,42 @@ def _checked(
     kind: str,
     scene: Scene | str,
     solver: Solver | None,
-    words: Mapping[str, Any],
+    point: Point,
+    fixed: Mapping[str, Any],
     ladder: Refinement | None,
 ) -> Computation:
     """The run of a point, which can be computed; the message of an error names the point."""
     try:
-        computation = computation_at(kind, scene, solver, words, ladder)
+        computation = computation_at(kind, scene, solver, {**fixed, **point}, ladder)
         check_computation(computation)
     except ValueError as error:
-        raise ValueError(f"{_named(words)}: {error}") from None
+        raise ValueError(f"{shown(point)}: {error}") from None
     return computation
 
 
-def _named(point: Mapping[str, Any]) -> str:
-    return ", ".join(f"{name}={value!r}" for name, value in point.items())
+def _coordinates(computation: Computation) -> dict[str, Any]:
+    """Coordinates that a run has, before it is computed."""
+    scene, times = computation.scene, computation.time
+    own = {} if times is None else times.coordinates()
+    return {**scene.coordinates(), **computation.solver.coordinates(scene.dim), **own}
 
 
-def _failures(found: Mapping[str, Any]) -> dict[str, str]:
+def _failures(found: Mapping[str, Outcome | Failure]) -> dict[str, str]:
     """Causes of points that could not be computed, by key."""
     return {key: one.cause for key, one in found.items() if isinstance(one, Failure)}
 
 
-def _dataset(
-    tasks: Sequence[RunTask],
-    points: Sequence[dict[str, Any]],
-    store: Store,
-    failures: Mapping[str, str],
-    densities: bool,
-) -> xr.Dataset:
-    """The runs over the swept parameters; a point without a run has its cause as `reason`."""
-    there = {task.key: store.path(task.key) for task in tasks if task.key not in failures}
+def _there(keys: Sequence[str], failures: Mapping[str, str]) -> list[str]:
+    """Keys of the runs that are there, each once.
+
+    Raises
+    ------
+    RuntimeError
+        If there are none.
+    """
+    there = [key for key in dict.fromkeys(keys) if key not in failures]
     if not there:
         raise RuntimeError(
             f"no point could be computed; the first: {next(iter(failures.values()))}"
         )
-    runs = open_runs(list(there.values()), densities=True) if densities else gather(there)
-    runs = at_points(runs, [task.key for task in tasks], points)
-    for row, task in enumerate(tasks):
-        if task.key in failures:
-            runs["status"][row] = Status.FAILED
-            runs["reason"] = runs["reason"].astype(object)
-            runs["reason"][row] = failures[task.key]
-    return unstack_runs(runs, [coordinate(name) for name in points[0]])
-
-
-def at_points(
-    runs: xr.Dataset, keys: Sequence[str], points: Sequence[dict[str, Any]]
-) -> xr.Dataset:
-    """The run of each point, in their order, with the point's values as coordinates; holes where none is."""
-    row = {key: i for i, key in enumerate(runs["run_key"].values.tolist())}
-    places = [row.get(key, -1) for key in keys]
-    found = runs.isel(run=[max(place, 0) for place in places])
-    if -1 in places:
-        there = xr.DataArray([place >= 0 for place in places], dims="run")
-        found = found.where(there)
-        found["status"] = found["status"].fillna(int(Status.MISSING)).astype(np.int8)
-    for word in points[0]:
-        name, values = coordinate(word), [point[word] for point in points]
-        plain = all(isinstance(value, bool | int | float | str) for value in values)
-        labels = values if plain else [_label(value) for value in values]
-        attributes = parameter(name).attributes
-        found = found.assign_coords({name: ("run", np.array(labels), attributes)})
-    return found
-
-
-def _label(value: Any) -> str:
-    """A value that is no number or text, as a label."""
-    return str(tuple(value)) if isinstance(value, list | tuple) else str(value)
+    return there

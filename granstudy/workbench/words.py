@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from granstudy.evolution.times import TimeSettings
-from granstudy.model.kernel import VHS
-from granstudy.model.load_scene import load_scene
-from granstudy.model.own_functions import OwnDensity, OwnLaw, own_density, own_law
+from granstudy.model.load_scene import ONE_OF, load_scene
+from granstudy.model.own_functions import OwnDensity, OwnLaw, own_density, own_law, settled
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.runs.computation import Computation, Refinement
@@ -21,8 +20,13 @@ TIME_WORDS = tuple(field.name for field in fields(TimeSettings))
 """Words that say how a run goes through time."""
 
 KERNEL_WORDS = ("exponent", "strength")
+"""Words of the kernel."""
 
-SCENE_FIELDS = ("diffusion", "symmetry", "kernel")
+FIELDS = ("e", "restitution", *KERNEL_WORDS, "kernel", "diffusion", "symmetry")
+"""Words that every scene takes."""
+
+SHARED = ("kernel", "restitution", "diffusion", "symmetry")
+"""Fields of a scene beside its density."""
 
 
 def computation_at(
@@ -70,8 +74,10 @@ def computation_at(
         raise ValueError("solver: give one, or words of one (method, N, R, rtol, ...)")
     full = Solver(**of_solver) if solver is None else replace(solver, **of_solver)
     times = of_time if kind == "evolution" else None
+    if times is not None and "t_final" not in times:
+        raise ValueError("t_final: must be given")
     if times is None and of_time:
-        raise ValueError(f"{', '.join(of_time)}: are of times, which a {kind} does not have")
+        raise ValueError(f"{', '.join(of_time)}: not for a {kind}, which no time leads to")
     return Computation(kind, made, full, times, refinement=refinement)
 
 
@@ -81,50 +87,59 @@ def varied(scene: Scene, words: Mapping[str, Any]) -> Scene:
     Raises
     ------
     ValueError
-        For a word that neither the scene, nor its density, nor its law of restitution takes.
+        For a word that neither the scene, nor its density, nor its law of restitution takes, and for two
+        words that say the same.
     """
-    changed: dict[str, Any] = {key: words[key] for key in SCENE_FIELDS if key in words}
-    kernel = changed.get("kernel", scene.kernel)
-    own = {key: words[key] for key in KERNEL_WORDS if key in words}
-    changed["kernel"] = replace(kernel, **own) if own else kernel
-    assert isinstance(kernel, VHS)
-    if "e" in words and "restitution" in words:
-        raise ValueError("e, restitution: both say the same; give one")
-    law = words.get("e", words.get("restitution", scene.restitution))
+    for one, other in ONE_OF:
+        if one in words and other in words:
+            raise ValueError(f"{one}, {other}: both say the same; give one")
+    initial, of_density = _with_arguments(scene.initial, words, own_density, scene.dim)
+    base = _follows(scene, initial)
+    law: Any = words.get("e", words.get("restitution", base["restitution"]))
     if isinstance(law, str):
-        law = load_scene(
-            "bkw2d", restitution=law, **_taken_by_law(law, words, scene)
-        ).restitution  # the law alone counts
-    rest = {
-        key: value
-        for key, value in words.items()
-        if key not in changed and key not in (*KERNEL_WORDS, "e", "restitution")
-    }
-    initial, rest = _set(scene.initial, rest, own_density, scene.dim)
-    if not isinstance(words.get("restitution"), str) and callable(law):
-        law, rest = _set(law, rest, own_law)
-    if rest and not isinstance(words.get("restitution"), str):
-        known = [*SCENE_FIELDS, *KERNEL_WORDS, "e", "restitution", *SOLVER_WORDS, *TIME_WORDS]
-        raise unknown_name("parameter", next(iter(rest)), known + _arguments(scene))
-    symmetry = changed.pop("symmetry", None if initial is not scene.initial else scene.symmetry)
+        of_law = {k: v for k, v in words.items() if k not in (*FIELDS, *of_density)}
+        law, taken = load_scene("bkw2d", restitution=law, **of_law).restitution, set(of_law)
+    else:
+        law, taken = _with_arguments(law, words, own_law)
+    if unknown := [word for word in words if word not in {*FIELDS, *taken, *of_density}]:
+        known = [*FIELDS, *_names(scene.initial), *_names(law), *SOLVER_WORDS, *TIME_WORDS]
+        raise unknown_name("parameter", unknown[0], known)
+    kernel = {name: words[name] for name in KERNEL_WORDS if name in words}
     return Scene(
         scene.dim,
         initial,
-        changed["kernel"],
+        words.get("kernel", replace(base["kernel"], **kernel)),
         restitution=law,
-        diffusion=changed.get("diffusion", scene.diffusion),
-        symmetry=symmetry,
+        diffusion=words.get("diffusion", base["diffusion"]),
+        symmetry=words.get("symmetry", base["symmetry"]),
     )
 
 
-def _taken_by_law(law: str, words: Mapping[str, Any], scene: Scene) -> dict[str, Any]:
-    """Words that are no others' and so the law's."""
-    others = {*SCENE_FIELDS, *KERNEL_WORDS, "e", "restitution", *_names(scene.initial)}
-    return {key: value for key, value in words.items() if key not in others}
+def _follows(scene: Scene, initial: Any) -> dict[str, Any]:
+    """Kernel, restitution, diffusion and symmetry of a scene with another density.
+
+    What the density before gave the scene, the other one gives: its symmetry, and all that a function of the
+    user which makes whole scenes says. What was declared for the scene stays.
+    """
+    if initial is scene.initial:
+        return {name: getattr(scene, name) for name in SHARED}
+    before, after = getattr(scene.initial, "scene", None), getattr(initial, "scene", None)
+    found = {
+        name: getattr(after if _is_given(scene, before, name) else scene, name) for name in SHARED
+    }
+    own = getattr(scene.initial, "symmetry", "none")
+    if scene.symmetry.name == getattr(own, "name", own):
+        found["symmetry"] = getattr(initial, "symmetry", "none")
+    return found
+
+
+def _is_given(scene: Scene, made: Scene | None, name: str) -> bool:
+    """Whether a scene has a field from the scene that its density's function made."""
+    return made is not None and bool(getattr(scene, name) == getattr(made, name))
 
 
 def _names(function: Any) -> list[str]:
-    """Names of the arguments of a density or a law that can be set."""
+    """Names of the arguments of a density or a law that can be set; none of a constant."""
     if isinstance(function, OwnDensity | OwnLaw):
         return [name for name, _ in function.arguments]
     if is_dataclass(function):
@@ -132,19 +147,14 @@ def _names(function: Any) -> list[str]:
     return []
 
 
-def _arguments(scene: Scene) -> list[str]:
-    law = scene.restitution
-    return [*_names(scene.initial), *(_names(law) if callable(law) else [])]
-
-
-def _set(
-    function: Any, words: dict[str, Any], bind: Callable[..., Any], *more: Any
-) -> tuple[Any, dict[str, Any]]:
-    """A density or law with the words set that it takes, and the words that are left."""
-    mine = {key: value for key, value in words.items() if key in _names(function)}
-    left = {key: value for key, value in words.items() if key not in mine}
-    if not mine:
-        return function, left
-    if isinstance(function, OwnDensity | OwnLaw):
-        return bind(function.function, {**dict(function.arguments), **mine}, *more), left
-    return replace(function, **mine), left
+def _with_arguments(
+    function: Any, words: Mapping[str, Any], bind: Callable[..., Any], *dim: int
+) -> tuple[Any, set[str]]:
+    """A density or law with the words set that it takes, and their names."""
+    known = settled(function, *dim) if callable(function) else function
+    given = {key: value for key, value in words.items() if key in _names(known)}
+    if not given:
+        return function, set()
+    if isinstance(known, OwnDensity | OwnLaw):
+        return bind(known.function, {**dict(known.arguments), **given}, *dim), set(given)
+    return replace(known, **given), set(given)

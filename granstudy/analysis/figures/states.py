@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from granstudy.analysis.columns import symbol
+from granstudy.analysis.figures.lines import check_one_exponent
 from granstudy.analysis.figures.style import (
     COLOURS,
     MARKERS,
@@ -39,18 +40,17 @@ ASKED = 1e-4
 NOT_TRUSTED = "open: not labelled trusted"
 
 
-def draw_states(source: FigureSource) -> Figure:
-    """Draw a2 against e, a column a table; below, where a table has it, particles less a2 or a2's error.
-
-    Raises
-    ------
-    ValueError
-        If a table is not one of states, or e is not swept.
-    """
-    tables = [source.table, *source.beside]
-    for table in tables:
+def check_states(source: FigureSource) -> None:
+    """Raise ValueError unless each table is one of states, swept over e, at one exponent."""
+    for table in (source.table, *source.beside):
         if "state" not in table.attrs or "e" not in table.attrs["swept"].split():
             raise ValueError(f"{table.attrs['title']}: is no table of states swept over e")
+        check_one_exponent("states", table)
+
+
+def draw_states(source: FigureSource) -> Figure:
+    """Draw a2 against e, a column a table; below, where a table has it, particles less a2 or a2's error."""
+    tables = [source.table, *source.beside]
     compared = any("a2_error" in table or _beside(table) for table in tables)
     ratios = [3, 2] if compared else [3]
     height = 0.35 * sum(ratios) * PANEL_HEIGHT + 0.9
