@@ -1,7 +1,9 @@
 """A dataset against its own provenance: the run is computed anew from what the file says."""
 
 import ast
+import hashlib
 import json
+import linecache
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +16,6 @@ from granstudy.datasets.parameters import PARAMETERS
 from granstudy.model.densities import INITIAL_DENSITIES, density_parameters
 from granstudy.model.identity import coordinate
 from granstudy.model.load_scene import load_scene
-from granstudy.model.own_functions import own_density, own_law
 from granstudy.model.restitution import law_parameters
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
@@ -123,7 +124,7 @@ def _scene(ds: xr.Dataset, said: dict[str, Any], run_code: bool) -> Scene:
                 "the dataset holds code of its user (attribute 'source'); it runs only when told to: "
                 "run_code=True, or --run-code"
             )
-        exec(compile(ds.attrs["source"], "source of the dataset", "exec"), own)
+        _run(ds.attrs["source"], own)
     kernel = said["kernel"]
     words: dict[str, Any] = {
         "exponent": kernel["exponent"],
@@ -132,14 +133,15 @@ def _scene(ds: xr.Dataset, said: dict[str, Any], run_code: bool) -> Scene:
     }
     name: Any = str(ds["scene"].values)
     if isinstance(said["initial"], dict):
-        function = _function(own, said["initial"]["function"])
-        name = own_density(function, _given(said["initial"]["arguments"]), said["dim"])
+        name = _function(own, said["initial"]["function"])
+        words |= {"dim": said["dim"], **_given(said["initial"]["arguments"])}
     elif name in INITIAL_DENSITIES:
         parameters = [field.name for field in density_parameters(name)]
         words |= {key: _value(ds, coordinate(key)) for key in parameters}
     law = said["restitution"]
     if isinstance(law, dict):
-        words["restitution"] = own_law(_function(own, law["function"]), _given(law["arguments"]))
+        words["restitution"] = _function(own, law["function"])
+        words |= _given(law["arguments"])
     elif isinstance(law, str):
         words["restitution"] = str(ds["restitution"].values)
         words |= {key: _value(ds, key) for key in law_parameters(words["restitution"])}
@@ -159,6 +161,13 @@ def _with_symmetry(scene: Scene, said: dict[str, Any]) -> Scene:
         scene.diffusion,
         symmetry=said["symmetry"],
     )
+
+
+def _run(source: str, own: dict[str, Any]) -> None:
+    """Run a dataset's source; its lines are known as a file's are, so that the code has its digest."""
+    name = f"<source {hashlib.sha256(source.encode()).hexdigest()[:16]}>"
+    linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
+    exec(compile(source, name, "exec"), own)
 
 
 def _function(own: dict[str, Any], reference: str) -> Any:
