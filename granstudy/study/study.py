@@ -20,6 +20,7 @@ from granstudy.study.schema.experiment import (
 from granstudy.study.schema.file import StudyFile, read_study_file
 from granstudy.study.schema.names import check_run_path
 from granstudy.study.schema.sweeps import values_of
+from granstudy.study.schema.values import cut
 from granstudy.study.schema.words import SWEPT, coordinate
 from granstudy.support.errors import unknown_name
 
@@ -101,8 +102,8 @@ def read_study(path: str | Path) -> Study:
     for name, experiment in model.experiments.items():
         try:
             runs[name] = _by_path(_expand(name, experiment, folder))
-        except ValueError as error:
-            raise ValueError(f"{path}: experiments.{name}: {error}") from None
+        except (ValueError, OSError) as error:
+            raise ValueError(f"{path}: experiments.{name}: {cut(str(error))}") from None
     return Study(Path(path).stem, model, runs)
 
 
@@ -111,8 +112,8 @@ def _check_runs(name: str, experiment: Experiment, runs: dict[str, Run]) -> None
         try:
             check_run(run)
             check_run_path(run.path)
-        except ValueError as error:
-            raise ValueError(f"experiments.{name}, run {run.path}: {error}") from None
+        except (ValueError, OSError) as error:
+            raise ValueError(f"experiments.{name}, run {run.path}: {cut(str(error))}") from None
     if isinstance(experiment, BenchmarkExperiment):
         _check_baseline(name, experiment.timing, list(runs.values()))
 
