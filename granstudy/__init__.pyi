@@ -14,13 +14,13 @@ from .evolution.forecast import plan as plan
 from .evolution.frames.physical import physical_density as physical_density
 from .evolution.simulate import simulate as simulate
 from .evolution.stability import stability_limit as stability_limit
+from .model.choice import Choice as Choice
 from .model.kernel import VHS as VHS
 from .model.kernel import hard_spheres as hard_spheres
 from .model.kernel import maxwell as maxwell
 from .model.load_scene import load_scene as load_scene
 from .model.restitution import Viscoelastic as Viscoelastic
 from .model.scene import Scene as Scene
-from .model.solver import Choice as Choice
 from .model.solver import Solver as Solver
 from .states.solve import cooling_state as cooling_state
 from .states.solve import heated_state as heated_state

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from granstudy.study.schema.words import coordinate
+
 Key = tuple[Any, ...]
 """Values of some parameters, in their order."""
 
@@ -14,6 +16,25 @@ def values_of(table: xr.Dataset, name: str, absent: object = "") -> np.ndarray:
     """A parameter's value for every run, swept or held fixed; ``absent`` where the table lacks it."""
     values = table[name].values if name in table.coords else np.array(absent)
     return np.broadcast_to(values, table.sizes["run"])
+
+
+def check_swept(field: str, name: str, table: xr.Dataset) -> str:
+    """The coordinate of a table that a field of a study file names; ValueError unless it is swept."""
+    swept = table.attrs["swept"].split()
+    found = name if name in swept else coordinate(name)
+    if found not in swept:
+        raise ValueError(
+            f"{field}={name!r}: must be one of the swept parameters {', '.join(swept)}"
+        )
+    return found
+
+
+def check_numbers(field: str, name: str, table: xr.Dataset) -> None:
+    """Raise ValueError unless a swept parameter is a positive number in every run."""
+    values = values_of(table, name)
+    if values.dtype.kind not in "if" or not np.all(np.isfinite(values) & (values > 0)):
+        shown = ", ".join(map(str, list(dict.fromkeys(values.tolist()))[:5]))
+        raise ValueError(f"{field}={name!r}: must have positive numbers, not {shown}")
 
 
 def keys(table: xr.Dataset, names: Sequence[str]) -> list[Key]:

@@ -1,12 +1,10 @@
 """Solver: the grid, the quadrature and the method that a scene is modelled with."""
 
 import dataclasses
-import json
 import math
-import os
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, ClassVar
 
 from granstudy.model.methods import (
     METHODS,
@@ -19,10 +17,13 @@ from granstudy.model.methods import (
 )
 from granstudy.support.checks import check_count, is_count, is_real, plain
 from granstudy.support.errors import unknown_name
+from granstudy.support.files import file_digest
+from granstudy.support.machine import cores
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.space import check_node_count, check_point_count, check_radius
 
 VARIANTS = ("full", "separate")
+SPHERE_RULES = ("design", "lebedev", "product", "gauss-theta-phi")
 RADIAL_RULES = ("legendre", "jacobi")
 PRECISIONS = ("double", "single")
 DEVICES = ("cpu", "gpu")
@@ -82,6 +83,8 @@ class Solver:
 
     sphere_rule : str
         ``design``, ``lebedev``, ``product``, ``gauss-theta-phi``, or the path of a text file of unit vectors.
+        The content of such a file belongs to the solver: two solvers with different contents are not equal,
+        and a file that changes after the solver was made is refused.
     radial_rule : str
         ``legendre`` (the paper's) or ``jacobi`` (spectral at every λ).
     rtol : float or None
@@ -139,6 +142,8 @@ class Solver:
     threads: int | None = setting(None, "threads to use; default: one a core")
     device: str = setting("cpu", "cpu or gpu; default: cpu")
 
+    _sphere_rule_sha256: ClassVar[str | None]  # no field: it follows from one
+
     def __post_init__(self) -> None:
         self._make_plain()
         for field, allowed in (
@@ -158,6 +163,9 @@ class Solver:
             self._check_rtol(self.rtol)
         if self.traits.by_particles:
             self._check_particles()
+        named = self.sphere_rule in SPHERE_RULES
+        digest = None if named else file_digest(self.sphere_rule)
+        object.__setattr__(self, "_sphere_rule_sha256", digest)
 
     def _make_plain(self) -> None:
         """Keep numbers of NumPy as numbers of Python, R and rtol as floats, a pair of nodes as a tuple."""
@@ -244,11 +252,22 @@ class Solver:
             raise ValueError(f"seed={self.seed!r}: must be an integer of at least 0")
 
     def __eq__(self, other: object) -> bool:
-        """Whether both have the same fields; a `SizedSolver` may equal a `Solver`."""
-        return isinstance(other, Solver) and self._values() == other._values()
+        """Whether fields and the rule's file are equal; a `SizedSolver` may equal a `Solver`."""
+        if not isinstance(other, Solver):
+            return False
+        mine, others = ((one._values(), one.sphere_rule_sha256) for one in (self, other))
+        return mine == others
 
     def __hash__(self) -> int:
-        return hash(self._values())
+        return hash((self._values(), self.sphere_rule_sha256))
+
+    @property
+    def sphere_rule_sha256(self) -> str | None:
+        """SHA-256 of the file of directions, as it was when the solver was made; None for a rule with a name.
+
+        None too where there was no such file.
+        """
+        return self._sphere_rule_sha256
 
     def _values(self) -> tuple[Any, ...]:
         return tuple(getattr(self, name) for name, _ in _defaults())
@@ -273,7 +292,9 @@ class Solver:
         """
         if self.N is None:
             raise ValueError("N=None: choose N and R first, with granstudy.choose")
-        return SizedSolver(*self._values())
+        sized = SizedSolver(*self._values())
+        object.__setattr__(sized, "_sphere_rule_sha256", self._sphere_rule_sha256)
+        return sized
 
     def grid(self, dim: int) -> VelocityGrid:
         """The Cartesian grid in ``dim`` dimensions; method `radial` has another one (`RadialGrid`)."""
@@ -283,7 +304,7 @@ class Solver:
     @property
     def thread_count(self) -> int:
         """Threads to use."""
-        return self.threads or len(os.sched_getaffinity(0))
+        return self.threads or cores()
 
     def coordinates(self, dim: int) -> dict[str, Any]:
         """The solver's parameters that a study sweeps and that play a part.
@@ -325,7 +346,8 @@ class Solver:
     def describe(self) -> dict[str, Any]:
         """The solver as plain data, for a dataset's attributes.
 
-        Only fields that decide the result are described. Left out are ``threads``; the fields that
+        Only fields that decide the result are described, and of a file of directions its content by
+        ``sphere_rule_sha256``. Left out are ``threads``; the fields that
         ``rtol`` chooses, or ``rtol`` where it is None; fields of particles, or of quadrature, for methods
         without them; and the fields of `PRODUCTS` that are not in use.
         """
@@ -333,7 +355,10 @@ class Solver:
         unused = {"threads", *({"rtol"} if self.rtol is None else QUADRATURE)}
         unused |= {name for name in PRODUCTS if every[name] == NOT_IN_USE[name]}
         unused |= self.traits.unused if self.traits.by_particles else PARTICLES
-        return {key: value for key, value in every.items() if key not in unused}
+        described = {key: value for key, value in every.items() if key not in unused}
+        if "sphere_rule" in described and self.sphere_rule_sha256 is not None:
+            described["sphere_rule_sha256"] = self.sphere_rule_sha256
+        return described
 
 
 @cache
@@ -361,29 +386,3 @@ class SizedSolver(Solver):
         beyond, and those modes are dropped.
         """
         return 2 * math.ceil(3 * self.N / 4) if self.dealias else self.N
-
-
-@dataclass(frozen=True)
-class Choice:
-    """A solver as it was asked for, and as it was chosen for a scene (`granstudy.choose`).
-
-    Attributes
-    ----------
-    asked : Solver
-        The solver asked for, which may leave grid or method open.
-    solver : SizedSolver
-        The solver chosen; the same where nothing was open.
-    reason : str
-        Why, in a line; "" where nothing was open.
-    """
-
-    asked: Solver
-    solver: SizedSolver
-    reason: str
-
-    def attributes(self) -> dict[str, str]:
-        """Attributes of a dataset beside its ``solver``: none where nothing was open."""
-        if self.solver == self.asked:
-            return {}
-        asked = json.dumps(self.asked.describe(), sort_keys=True)
-        return {"asked_solver": asked, "choice": self.reason}

@@ -5,10 +5,11 @@ from granstudy.evolution.times import check_frame
 from granstudy.model.restitution import check_restitution
 from granstudy.particles.restitution_table import alpha_table
 from granstudy.runs.computation import Computation, ladder
-from granstudy.runs.estimates import chosen, expected_evaluations, planned_scene
+from granstudy.runs.estimates import chosen, planned_scene
 from granstudy.runs.kinds import KINDS
 from granstudy.study.run import Run
 from granstudy.study.schema.experiment import EvolutionExperiment
+from granstudy.study.sizes import check_estimate, check_size
 from granstudy.trust.exact_law import check_maxwell_law
 
 
@@ -26,11 +27,12 @@ def check_computation(computation: Computation) -> None:
         for rung in ladder(computation):
             check_computation(rung)
         return
+    check_size(computation)
     kind, solver = KINDS[computation.kind], computation.solver
     if solver.N is None and kind.needs_size:
         raise ValueError(f"N=None: {computation.kind} runs need N and R")
     kind.check(computation)
-    expected_evaluations(computation)  # t_final must be a whole number of steps
+    check_estimate(computation)  # t_final must be a whole number of steps
     if solver.traits.by_particles:
         _check_particles(computation)
     else:
@@ -80,6 +82,13 @@ def _check_measures(run: Run) -> None:
 
 def _check_nodes(run: Run) -> None:
     own, other = chosen(run.computation).solver, chosen(run.reference.computation).solver
+    for name in ("N", "R"):
+        mine, its = getattr(own, name), getattr(other, name)
+        if mine != its:
+            raise ValueError(
+                f"{name}={mine!r}: the reference has {name}={its!r}; a {run.model.run} run and its reference "
+                f"must share their velocity nodes: leave {name} out of the reference"
+            )
     if own.traits.radial != other.traits.radial:
         raise ValueError(
             f"method {own.method!r}: has other velocity nodes than its reference's method "

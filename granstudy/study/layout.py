@@ -9,7 +9,7 @@ from granstudy.runs.store import Store
 from granstudy.study.benchmark.benchmark import benchmark
 from granstudy.study.run import Run
 from granstudy.study.schema.experiment import Experiment
-from granstudy.study.schema.file import MAP
+from granstudy.study.schema.names import MAP
 from granstudy.study.study import Study
 from granstudy.support.fingerprint import fingerprint
 
@@ -194,7 +194,10 @@ class Layout:
 
     @property
     def _notebooks(self) -> dict[str, tuple[str, ...]]:
-        return NOTEBOOKS.get(self.study.name, {})
+        """Those whose runs the study has: another study may have the name, in a folder of its own."""
+        known = self.study.model.experiments.keys()
+        notebooks = NOTEBOOKS.get(self.study.name, {})
+        return {name: opened for name, opened in notebooks.items() if known >= set(opened)}
 
     def notebook_files(self, name: str) -> list[str]:
         """Datasets that a notebook opens."""

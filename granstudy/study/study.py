@@ -1,7 +1,7 @@
 """Studies: from a study file to its checked runs."""
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -17,9 +17,10 @@ from granstudy.study.schema.experiment import (
     BenchmarkExperiment,
     Experiment,
     TimingModel,
-    values_of,
 )
 from granstudy.study.schema.file import StudyFile, read_study_file, study_model
+from granstudy.study.schema.names import check_run_path
+from granstudy.study.schema.sweeps import values_of
 from granstudy.study.schema.words import SWEPT
 from granstudy.support.errors import unknown_name
 
@@ -104,10 +105,10 @@ def read_study(said: Said, name: str | None = None) -> Study:
         model, folder, own = study_model(said), Path(), name or "study"
     else:
         model, folder, own = read_study_file(said), Path(said).parent, Path(said).stem
-    runs = {}
+    runs: dict[str, dict[str, Run]] = {}
     for experiment, section in model.experiments.items():
         try:
-            runs[experiment] = {run.path: run for run in _expand(experiment, section, folder)}
+            runs[experiment] = _by_path(_expand(experiment, section, folder))
         except ValueError as error:
             raise ValueError(f"{_source(said)}: experiments.{experiment}: {error}") from None
     return Study(own, model, runs)
@@ -122,6 +123,7 @@ def _check_runs(name: str, experiment: Experiment, runs: dict[str, Run]) -> None
     for run in runs.values():
         try:
             check_run(run)
+            check_run_path(run.path)
         except ValueError as error:
             raise ValueError(f"experiments.{name}, run {run.path}: {error}") from None
     if isinstance(experiment, BenchmarkExperiment):
@@ -132,6 +134,10 @@ def _check_beside(name: str, experiment: Experiment, known: list[str]) -> None:
     """Raise ValueError where a table or a figure shows an experiment that there is none of."""
     for part, beside in (("figure", experiment.beside_figure), ("table", experiment.beside_table)):
         for other in beside:
+            if other == name:
+                raise ValueError(
+                    f"experiments.{name}.{part}.beside: {other!r} is the experiment itself; leave it out"
+                )
             if other not in known:
                 unknown = unknown_name("experiment", other, known)
                 raise ValueError(f"experiments.{name}.{part}.beside: {unknown}")
@@ -144,6 +150,18 @@ def _check_baseline(name: str, timing: TimingModel, runs: list[Run]) -> None:
         raise ValueError(
             f"experiments.{name}.timing.baseline: {baseline} are the values of {count} runs, must be of one"
         )
+
+
+def _by_path(runs: Iterable[Run]) -> dict[str, Run]:
+    """Runs by their paths; ValueError where two values have one name."""
+    found: dict[str, Run] = {}
+    for run in runs:
+        other = found.setdefault(run.path, run)
+        if other.values != run.values:
+            raise ValueError(
+                f"sweep: {dict(other.values)} and {dict(run.values)} both have the path {run.path}; take one"
+            )
+    return found
 
 
 def _expand(name: str, experiment: Experiment, folder: Path) -> Iterator[Run]:

@@ -27,8 +27,9 @@ def exact_laws(
     moments : mapping
         The run's `density`, `temperature` and `paper_temperature`, each of shape (n,).
     """
-    if scene.kernel.exponent != 0.0 or callable(scene.restitution):
+    if not has_exact_law(scene):
         return {}
+    assert not callable(scene.restitution)
     law: dict[str, Any] = {
         "t": np.asarray(times),
         "restitution": float(scene.restitution),
@@ -44,6 +45,11 @@ def exact_laws(
         error = np.abs(moments[name] - exact)
         found[f"{name}_error"] = labelled(error, f"|{name} − {name}_exact|", "time")
     return found
+
+
+def has_exact_law(scene: Scene) -> bool:
+    """Whether exact laws of T are known: for Maxwell molecules at constant restitution."""
+    return scene.kernel.exponent == 0.0 and not callable(scene.restitution)
 
 
 def check_maxwell_law(scene: Scene) -> None:

@@ -11,8 +11,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from granstudy.analysis.figures.figure import draw
+from granstudy.analysis.requests import check_requests
 from granstudy.analysis.tables.table import experiment_table
-from granstudy.analysis.vocabulary import check_words
 from granstudy.datasets.collected import gather
 from granstudy.datasets.netcdf import read_dataset
 from granstudy.datasets.open_runs import open_runs
@@ -390,7 +390,7 @@ def open_study(
     """
     loaded = load_study(study, name)
     file = None if isinstance(study, Mapping) else study
-    check_words(loaded.model, file or "")
+    check_requests(loaded, file or "")
     opened = OpenStudy(loaded, results, file)
     check_owner(opened.layout, file)
     return opened

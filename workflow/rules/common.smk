@@ -7,7 +7,7 @@ from snakemake_logger_plugin_granstudy import interrupt, locks
 
 from granstudy.study.jobs import Job
 from granstudy.study.layout import Layout
-from granstudy.study.schema.file import MAP
+from granstudy.study.schema.names import MAP
 from granstudy.study.state import check_owner, prepare
 from granstudy.study.study import load_study, read_study
 from granstudy.support.fingerprint import fingerprint
@@ -26,9 +26,9 @@ try:
     STUDY = (load_study if workflow.is_main_process else read_study)(STUDY_FILE)
     LAYOUT = Layout(STUDY, RESULTS_FOLDER)
     if workflow.is_main_process:  # Matplotlib takes half a second
-        from granstudy.analysis.vocabulary import check_words
+        from granstudy.analysis.requests import check_requests
 
-        check_words(STUDY.model, STUDY_FILE)
+        check_requests(STUDY, STUDY_FILE)
         check_owner(LAYOUT, STUDY_FILE)
 except ValueError as error:
     raise WorkflowError(str(error)) from None

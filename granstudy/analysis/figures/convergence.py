@@ -11,27 +11,39 @@ from matplotlib.lines import Line2D
 from granstudy.analysis.columns import symbol
 from granstudy.analysis.figures.lines import distinguishing, label, lines, looks, mark_values
 from granstudy.analysis.figures.style import PANEL_HEIGHT, PAPER, PAPER_LOOK, WIDTH
-from granstudy.analysis.groups import groups, keys
+from granstudy.analysis.groups import check_numbers, check_swept, groups, keys
 from granstudy.analysis.source import FigureSource
 
 ORDER = 3
 """Order of the Runge–Kutta scheme, which the guide beside refined steps shows."""
 
 
+def _abscissa(source: FigureSource) -> str:
+    """The swept parameter on the abscissa."""
+    if source.asked.x is None:
+        raise ValueError(
+            "figure.x: must be given; a convergence figure is drawn over a swept parameter"
+        )
+    return check_swept("figure.x", source.asked.x, source.table)
+
+
+def check_convergence(source: FigureSource) -> None:
+    """Raise ValueError unless the figure has an abscissa of numbers; e has a panel for each value."""
+    x = _abscissa(source)
+    check_numbers("figure.x", x, source.table)
+    if x == "e":
+        raise ValueError(
+            "figure.x='e': has a panel for each value; give a parameter that is refined"
+        )
+
+
 def draw_convergence(source: FigureSource) -> Figure:
     """Draw the quantity against the refined parameter, a column of panels for each e.
 
     Where methods and variants both differ, there is a row of panels for each variant.
-
-    Raises
-    ------
-    ValueError
-        If ``figure.x`` is not swept.
     """
-    table, x = source.table, source.asked.x
+    table, x = source.table, _abscissa(source)
     swept = table.attrs["swept"].split()
-    if x is None or x not in swept:
-        raise ValueError(f"figure.x={x!r}: must be one of the swept parameters {swept}")
     names = distinguishing(table, [name for name in swept if name not in (x, "e")])
     down = "variant" if {"variant", "method"} <= set(names) else None
     names = [name for name in names if name != down]

@@ -6,8 +6,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from granstudy.analysis.columns import symbol
-from granstudy.analysis.figures.lines import distinguishing
+from granstudy.analysis.figures.lines import check_one_exponent, distinguishing
 from granstudy.analysis.figures.style import COLOURS, MARKERS, PANEL_HEIGHT, WIDTH
+from granstudy.analysis.groups import values_of
 from granstudy.analysis.source import FigureSource
 from granstudy.analysis.tables.fits import local_slope
 from granstudy.datasets.open_runs import open_runs
@@ -16,6 +17,12 @@ from granstudy.theory import haff_temperature
 SAMPLES = 20
 """Markers of a run; the line between them is the fit's, so that the two can be told apart."""
 
+BESIDE_CURVES = 3
+"""Runs up to which the legend has room between the curves; that of more stands below, two runs a row."""
+
+ROW = 0.2
+"""Height of a row of the legend, in inches."""
+
 ASKED = 1e-3
 """Distance from −2/λ that the local slope has to fall below."""
 
@@ -23,37 +30,84 @@ STYLES = ("-", "--", ":", "-.")
 """Line styles of the runs of a gas."""
 
 
-def draw_cooling(source: FigureSource) -> Figure:
-    """Draw T(t) with the fitted Haff laws; beside it √(T0/T) − 1, which Haff's law makes C0 t."""
+def check_cooling(source: FigureSource) -> None:
+    """Raise ValueError unless the runs go through time."""
+    _check_evolution("cooling", source)
+
+
+def check_slope(source: FigureSource) -> None:
+    """Raise ValueError unless the runs cool by one law of Haff, over e, with outputs between."""
+    _check_evolution("slope", source)
     table = source.table
-    figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 0.4), layout="constrained")
+    if "e" not in table.attrs["swept"].split():
+        raise ValueError("figure.kind='slope': has a colour for each e; sweep e")
+    check_one_exponent("slope", table)
+    if float(table["exponent"]) == 0.0:
+        raise ValueError(
+            "figure.kind='slope': Haff's law holds for exponent > 0; the runs have exponent 0"
+        )
+    for run, _ in source.rows:
+        assert run.time is not None
+        if run.time.recorded.size < 3:
+            raise ValueError(
+                f"figure.kind='slope': needs three outputs or more; run {run.path} has "
+                f"{run.time.recorded.size}"
+            )
+
+
+def _check_evolution(kind: str, source: FigureSource) -> None:
+    if source.experiment.run != "evolution":
+        raise ValueError(
+            f"figure.kind={kind!r}: shows T(t) of evolution runs, not of {source.experiment.run} runs"
+        )
+
+
+def draw_cooling(source: FigureSource) -> Figure:
+    """Draw T(t) with the fitted Haff laws; beside it (T0/T)^{λ/2} − 1, which Haff's law makes C0 t.
+
+    Without a fit, λ is 1 there.
+    """
+    table = source.table
+    rows = -(-table.sizes["run"] // 2) if table.sizes["run"] > BESIDE_CURVES else 0
+    height = PANEL_HEIGHT + 0.4 + ROW * rows
+    figure = Figure(figsize=(WIDTH, height), layout="constrained")
     left, right = figure.subplots(1, 2)
     names = distinguishing(table, table.attrs["swept"].split())
     runs = open_runs(source.row_files)
     times, T = np.broadcast_arrays(runs["time"].values, runs["temperature"].values)
+    exponents = values_of(table, "exponent", 1.0) if "C0" in table else np.ones(table.sizes["run"])
     for i in range(table.sizes["run"]):
         time = times[i, np.isfinite(times[i])]
         every = max(1, time.size // SAMPLES)
         sampled = np.unique(np.geomspace(1, time.size - 1, SAMPLES).astype(int))
         colour = COLOURS[i % len(COLOURS)]
         label = ", ".join(f"{symbol(n)} = {table[n].values[i]}" for n in names)
-        T0 = T[i, 0]
+        T0, power = T[i, 0], exponents[i] / 2
         look: dict[str, Any] = {"color": colour, "linestyle": "none", "marker": MARKERS[i % 4]}
         look |= {"markersize": 4.0, "markerfacecolor": "white"}
         left.plot(time[::every], T[i, : time.size : every], label=label, **look)
-        right.plot(time[sampled], np.sqrt(T0 / T[i, sampled]) - 1.0, **look)
+        right.plot(time[sampled], (T0 / T[i, sampled]) ** power - 1.0, **look)
         if "C0" in table:
             C0 = table["C0"].values[i]
-            law = rf"${T0:.4g}\,(1 + {C0:.4g}\,t)^{{-2}}$"
+            law = rf"${T0:.4g}\,(1 + {C0:.4g}\,t)^{{{-1.0 / power:.3g}}}$"
             dashed: dict[str, Any] = {"color": colour, "linestyle": "--", "linewidth": 1.2}
-            left.plot(time, haff_temperature(time, T0, C0), label=law, **dashed)
+            left.plot(time, haff_temperature(time, T0, C0, exponents[i]), label=law, **dashed)
             right.plot(time[sampled], C0 * time[sampled], **dashed)
     left.set(xlabel="$t$", ylabel=symbol("temperature"), ylim=(0.0, None), xlim=(0.0, None))
-    left.set_title("temperature and fitted Haff laws")
-    left.legend()
-    right.set(xlabel="$t$", ylabel=r"$\sqrt{T_0/T} - 1$", xscale="log", yscale="log")
+    left.set_title("temperature" + (" and fitted Haff laws" if "C0" in table else ""))
+    if rows:
+        handles = left.get_legend_handles_labels()
+        figure.legend(*handles, loc="outside lower center", ncols=4)
+    else:
+        left.legend()
+    right.set(xlabel="$t$", ylabel=_law_of(exponents), xscale="log", yscale="log")
     right.set_title("Haff's law is a line of slope 1")
     return figure
+
+
+def _law_of(exponents: np.ndarray) -> str:
+    """What Haff's law makes a line, as Matplotlib's mathematics."""
+    return r"$\sqrt{T_0/T} - 1$" if np.all(exponents == 1.0) else r"$(T_0/T)^{\lambda/2} - 1$"
 
 
 def draw_slope(source: FigureSource) -> Figure:

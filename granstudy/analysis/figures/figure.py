@@ -1,18 +1,19 @@
 """Figures of an experiment, drawn from its table and its runs."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib as mpl
 import xarray as xr
 from matplotlib.figure import Figure
 
-from granstudy.analysis.figures.convergence import draw_convergence
-from granstudy.analysis.figures.cooling import draw_cooling, draw_slope
-from granstudy.analysis.figures.front import draw_front
-from granstudy.analysis.figures.gallery import draw_gallery
-from granstudy.analysis.figures.speed import draw_speed
-from granstudy.analysis.figures.states import draw_states
+from granstudy.analysis.figures.convergence import check_convergence, draw_convergence
+from granstudy.analysis.figures.cooling import check_cooling, check_slope, draw_cooling, draw_slope
+from granstudy.analysis.figures.front import check_front, draw_front
+from granstudy.analysis.figures.gallery import check_gallery, draw_gallery
+from granstudy.analysis.figures.speed import check_speed, draw_speed
+from granstudy.analysis.figures.states import check_states, draw_states
 from granstudy.analysis.figures.style import STYLE
 from granstudy.analysis.source import FigureSource
 from granstudy.study.run import Run
@@ -20,25 +21,54 @@ from granstudy.study.schema.experiment import Experiment
 from granstudy.support.errors import unknown_name
 from granstudy.support.files import write_whole
 
-Draw = Callable[[FigureSource], Figure]
-"""Draws a figure of one kind; raises ValueError for a table that does not have what it shows."""
 
-FIGURES: dict[str, Draw] = {
-    "convergence": draw_convergence,
-    "cooling": draw_cooling,
-    "speed": draw_speed,
-    "front": draw_front,
-    "slope": draw_slope,
-    "states": draw_states,
-    "gallery": draw_gallery,
+def _nothing(source: FigureSource) -> None:
+    """Check nothing."""
+
+
+@dataclass(frozen=True)
+class Drawer:
+    """How figures of one kind are drawn.
+
+    Attributes
+    ----------
+    draw : callable
+        Source ↦ the figure.
+    check : callable
+        Source ↦ None; ValueError where the table does not have what the figure shows. It is called before any
+        run, too: without files, with tables whose numbers are all 1.
+    takes : tuple of str
+        Fields of the study file's request that the kind takes, beside kind and title.
+    """
+
+    draw: Callable[[FigureSource], Figure]
+    check: Callable[[FigureSource], None] = _nothing
+    takes: tuple[str, ...] = ()
+
+
+FIGURES: dict[str, Drawer] = {
+    "convergence": Drawer(draw_convergence, check_convergence, takes=("x",)),
+    "cooling": Drawer(draw_cooling, check_cooling),
+    "speed": Drawer(draw_speed, check_speed, takes=("x",)),
+    "front": Drawer(draw_front, check_front, takes=("beside",)),
+    "slope": Drawer(draw_slope, check_slope),
+    "states": Drawer(draw_states, check_states, takes=("beside",)),
+    "gallery": Drawer(draw_gallery, check_gallery),
 }
 """The kinds of figures that a study file can ask for, as ``figure: {kind: ...}``."""
 
 
-def check_kind(kind: str) -> None:
-    """Raise ValueError unless `FIGURES` has the kind."""
-    if kind not in FIGURES:
-        raise unknown_name("kind", kind, list(FIGURES))
+def check_figure(source: FigureSource) -> None:
+    """Raise ValueError unless the figure that an experiment asks for can be drawn from its table."""
+    asked = source.asked
+    if asked.kind not in FIGURES:
+        raise ValueError(f"figure.kind: {unknown_name('kind', asked.kind, list(FIGURES))}")
+    drawer = FIGURES[asked.kind]
+    for field, value in (("x", asked.x), ("beside", asked.beside)):
+        if value and field not in drawer.takes:
+            able = ", ".join(name for name, each in FIGURES.items() if field in each.takes)
+            raise ValueError(f"figure.{field}={value!r}: only {able} take it, not {asked.kind}")
+    drawer.check(source)
 
 
 def draw(
@@ -71,9 +101,9 @@ def draw(
     source = FigureSource(
         experiment=experiment, runs=runs or {}, files=run_files, beside=beside, table=table
     )
-    check_kind(source.asked.kind)
+    check_figure(source)
     with mpl.rc_context(STYLE):
-        figure = FIGURES[source.asked.kind](source)
+        figure = FIGURES[source.asked.kind].draw(source)
         figure.suptitle(source.asked.title or experiment.title, fontsize=10)
     return figure
 

@@ -26,6 +26,35 @@ RUN_ERRORS = ("largest_temperature_error", "largest_a2_error")
 """Errors of runs beside a truth, a panel each."""
 
 
+def check_front(source: FigureSource) -> None:
+    """Raise ValueError unless the tables have what a front shows: seconds, errors, and one baseline each."""
+    if "truth" in source.table.attrs:
+        _check_seconds(source.table)
+        if source.beside:
+            raise ValueError("figure.beside: only a front of benchmarks shows others")
+        return
+    _check_errors([source.table, *source.beside])
+
+
+def _check_seconds(table: xr.Dataset) -> None:
+    if "seconds" not in table:
+        raise ValueError(f"{table.attrs['title']}: a front needs table.seconds: true")
+
+
+def _check_errors(tables: Sequence[xr.Dataset]) -> None:
+    for table in tables:
+        if "front" not in table:
+            raise ValueError(
+                f"{table.attrs['title']}: has no errors; a front needs a benchmark with a reference, or an "
+                "evolution with a truth and table.seconds: true"
+            )
+        count = int(np.sum(table["baseline"] & (table["threads"] == table["threads"].max())))
+        if count != 1:
+            raise ValueError(
+                f"{table.attrs['title']}: has {count} baselines; a front needs one: give timing.baseline"
+            )
+
+
 def draw_front(source: FigureSource) -> Figure:
     """Draw time against error: a panel a table of a benchmark, a panel a measure of runs beside a truth."""
     if "truth" in source.table.attrs:
@@ -44,13 +73,9 @@ def benchmark_front(tables: Sequence[xr.Dataset]) -> Figure:
     Raises
     ------
     ValueError
-        If a table has no errors.
+        If a table has no errors, or not one baseline.
     """
-    for table in tables:
-        if "front" not in table:
-            raise ValueError(
-                f"{table.attrs['title']}: has no errors; the experiment needs a reference"
-            )
+    _check_errors(tables)
     columns = min(COLUMNS, len(tables))
     rows = -(-len(tables) // columns)
     size = (WIDTH * (1.0 if columns > 1 else 0.75), PANEL_HEIGHT * rows + 1.1)
@@ -87,8 +112,7 @@ def run_front(table: xr.Dataset) -> Figure:
     ValueError
         If the table does not have the seconds.
     """
-    if "seconds" not in table:
-        raise ValueError(f"{table.attrs['title']}: a front needs table.seconds: true")
+    _check_seconds(table)
     table = table.isel(run=np.flatnonzero(table["status"] == Status.OK))
     figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 0.9), layout="constrained")
     axes = figure.subplots(1, 2, sharey=True)

@@ -29,6 +29,12 @@ TIMES_OF_LAW = 200
 """Times at which an exact law is drawn."""
 
 
+def check_gallery(source: FigureSource) -> None:
+    """Raise ValueError unless the runs have a truth to be shown beside."""
+    if not source.experiment.has_truth:
+        raise ValueError("figure.kind='gallery': shows runs beside their truth; give one")
+
+
 def draw_gallery(source: FigureSource) -> Figure:
     """Draw the runs of an experiment beside their truth, which is black."""
     figure = Figure(figsize=(1.3 * WIDTH, PANEL_HEIGHT + 1.2), layout="constrained")

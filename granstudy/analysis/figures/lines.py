@@ -3,16 +3,23 @@
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from granstudy.analysis.figures.style import COLOURS, FAMILY_COLOURS, LABELS, MARKERS
-from granstudy.analysis.groups import groups, keys
+from granstudy.analysis.groups import groups, keys, values_of
 from granstudy.analysis.labels import PAPERS_OWN
 
 Line = tuple[str, ...]
 """Values of the parameters that tell a line from others."""
+
+
+def check_one_exponent(kind: str, table: xr.Dataset) -> None:
+    """Raise ValueError unless all runs have one exponent, as their law is drawn once."""
+    if np.unique(values_of(table, "exponent")).size != 1:
+        raise ValueError(f"figure.kind={kind!r}: shows one exponent; give each its own experiment")
 
 
 def distinguishing(table: xr.Dataset, names: Sequence[str]) -> list[str]:

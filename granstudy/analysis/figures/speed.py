@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from granstudy.analysis.columns import symbol
 from granstudy.analysis.figures.lines import lines, mark_values
 from granstudy.analysis.figures.style import PANEL_HEIGHT, PAPER, PAPER_LOOK, WIDTH, family_styles
+from granstudy.analysis.groups import values_of
 from granstudy.analysis.labels import families
 from granstudy.analysis.paper.printed import TIMED
 from granstudy.analysis.source import FigureSource
@@ -15,6 +16,22 @@ from granstudy.model.methods import METHODS
 
 PAPERS_MARKERS = ("^", "D")
 """Markers of the methods that the paper times."""
+
+
+def check_speed(source: FigureSource) -> None:
+    """Raise ValueError unless the runs are timed, some on a Cartesian grid, whose cost is the guide."""
+    if source.experiment.run != "benchmark":
+        raise ValueError(
+            f"figure.kind='speed': shows seconds of benchmark runs, not of {source.experiment.run} runs"
+        )
+    if source.asked.x not in (None, "N"):
+        raise ValueError(f"figure.x={source.asked.x!r}: a speed figure is drawn over N")
+    if not _on_cartesian_grids(source.table).any():
+        raise ValueError("figure.kind='speed': needs a method on a Cartesian grid, for its guide")
+
+
+def _on_cartesian_grids(table: xr.Dataset) -> np.ndarray:
+    return np.array([not METHODS[name].radial for name in values_of(table, "method").tolist()])
 
 
 def draw_speed(source: FigureSource) -> Figure:
@@ -63,8 +80,7 @@ def draw_speed(source: FigureSource) -> Figure:
 
 def _complexity_guide(ax: Axes, table: xr.Dataset) -> None:
     """Draw N⁴ log N, the cost of the fast method in 3D, below the fastest line on a Cartesian grid."""
-    cartesian = [not METHODS[name].radial for name in table["method"].values.tolist()]
-    table = table.isel(run=np.flatnonzero(cartesian))
+    table = table.isel(run=np.flatnonzero(_on_cartesian_grids(table)))
     N = np.unique(table["N"]).astype(float)
     cost = N**4 * np.log(N)
     seconds = np.array([table["seconds"].values[table["N"].values == n].min() for n in N])

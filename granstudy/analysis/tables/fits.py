@@ -9,12 +9,13 @@ from scipy.optimize import curve_fit
 
 from granstudy import theory
 from granstudy.analysis.columns import computed
-from granstudy.analysis.groups import groups, keys
+from granstudy.analysis.groups import check_numbers, check_swept, groups, keys, values_of
 from granstudy.analysis.labels import families
 from granstudy.analysis.source import TableSource
 from granstudy.datasets.netcdf import read_dataset, run_seconds
 from granstudy.support.errors import unknown_name
 from granstudy.theory import haff_temperature
+from granstudy.trust.flags import Status
 
 
 def fit_order(x: np.ndarray, error: np.ndarray) -> tuple[float, float]:
@@ -60,9 +61,9 @@ def local_slope(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def fit_haff(
-    time: np.ndarray, temperature: np.ndarray, T0: float | None = None
+    time: np.ndarray, temperature: np.ndarray, T0: float | None = None, exponent: float = 1.0
 ) -> tuple[float, float]:
-    """Fit C0 of Haff's law T = T0 (1 + C0 t)^{−2} by least squares, and its standard error.
+    """Fit C0 of Haff's law T = T0 (1 + C0 t)^{−2/λ} by least squares, and its standard error.
 
     The paper fits the same way (its Figs. 3 and 4, eq. 52): T0 stays at the initial temperature, all
     times weigh alike. Haff's law holds for a fixed shape of the density. While the shape still
@@ -74,6 +75,8 @@ def fit_haff(
         A run's times and temperatures, at least three.
     T0 : float, optional
         The temperature at t = 0; by default the first one.
+    exponent : float
+        λ of the kernel, above 0; by default that of hard spheres.
 
     Raises
     ------
@@ -91,9 +94,9 @@ def fit_haff(
         raise ValueError("temperature: a cooling law needs finite values at every time")
     initial = float(temperature[0]) if T0 is None else T0
     # From T(t_end) alone; close enough for Gauss–Newton to need a handful of steps.
-    start = (np.sqrt(initial / temperature[-1]) - 1.0) / time[-1]
+    start = ((initial / temperature[-1]) ** (exponent / 2) - 1.0) / time[-1]
     C0, covariance = curve_fit(
-        lambda t, C0: haff_temperature(t, initial, C0), time, temperature, p0=[start]
+        lambda t, C0: haff_temperature(t, initial, C0, exponent), time, temperature, p0=[start]
     )
     return float(C0[0]), float(np.sqrt(covariance[0, 0]))
 
@@ -105,22 +108,97 @@ LEAST_MEMORY_MB = 8.0
 def with_order(table: xr.Dataset, source: TableSource) -> xr.Dataset:
     """Add `order`, the fitted slope of each group of runs that differ in ``fit.x`` alone.
 
-    Raises
-    ------
-    ValueError
-        If ``fit.x`` is not swept.
+    Runs without an error, as they ended early, do not count.
     """
-    assert source.experiment.fit is not None
-    x, swept = source.experiment.fit.x, table.attrs["swept"].split()
-    if x not in swept:
-        raise ValueError(f"fit.x={x!r}: an order is fitted against a swept parameter: {swept}")
+    x, swept = _refined(table, source), table.attrs["swept"].split()
     order = np.full(table.sizes["run"], np.nan)
     for members in groups(keys(table, [name for name in swept if name != x])).values():
         error = table[source.quantity].values[members]
-        order[members], _ = fit_order(table[x].values[members], error)
+        order[members] = growth_exponent(table[x].values[members], error)
     table["order"] = computed("order", order, of=source.quantity, x=x)
     table.attrs["refined"] = x
     return table
+
+
+def _refined(table: xr.Dataset, source: TableSource) -> str:
+    """The swept parameter that an order is fitted against."""
+    assert source.experiment.fit is not None
+    x = source.experiment.fit.x
+    if x is None:
+        raise ValueError("fit.x: must be given; an order is fitted against a swept parameter")
+    return check_swept("fit.x", x, table)
+
+
+def check_order(table: xr.Dataset, source: TableSource) -> None:
+    """Raise ValueError unless an order can be fitted: of an error, over two values of ``fit.x`` or more."""
+    x = _refined(table, source)
+    check_numbers("fit.x", x, table)
+    if "error" not in source.quantity.split("_"):
+        raise ValueError(
+            f"fit.law='order': is of an error that falls with {x}, not of table.quantity={source.quantity!r}"
+        )
+    others = [name for name in table.attrs["swept"].split() if name != x]
+    for key, members in groups(keys(table, others)).items():
+        if np.unique(table[x].values[members]).size < 2:
+            where = ", ".join(f"{name}={value}" for name, value in zip(others, key, strict=True))
+            raise ValueError(
+                f"fit.x={x!r}: has one value{f' at {where}' if where else ''}; an order needs two"
+            )
+
+
+def check_growth(table: xr.Dataset, source: TableSource) -> None:
+    """Raise ValueError unless exponents can be fitted: of a benchmark, through two or more N of a method."""
+    if source.experiment.run != "benchmark":
+        raise ValueError(
+            f"fit.law='growth': is of seconds of benchmark runs, not of {source.experiment.run} runs"
+        )
+    of_method: dict[str, set[float]] = {}
+    for family, N in zip(families(table), values_of(table, "N").tolist(), strict=True):
+        of_method.setdefault(family, set()).add(N)
+    if all(len(sizes) < 2 for sizes in of_method.values()):
+        raise ValueError("fit.law='growth': needs two values of N of a method; sweep N")
+
+
+def check_haff(table: xr.Dataset, source: TableSource) -> None:
+    """Raise ValueError unless Haff's law holds for each run, and three outputs or more show it."""
+    _check_cooling("haff", source)
+
+
+def check_slope(table: xr.Dataset, source: TableSource) -> None:
+    """Raise ValueError unless Haff's law holds for each run, over a decade of outputs."""
+    _check_cooling("slope", source)
+    for run, _ in source.rows:
+        assert run.time is not None
+        first, last = run.time.recorded[1], run.time.t_final
+        if first > last / 10.0:
+            raise ValueError(
+                f"fit.law='slope': is of the last decade of t; the first output of run {run.path} is at "
+                f"t = {first:g}, the last at {last:g}"
+            )
+
+
+def _check_cooling(law: str, source: TableSource) -> None:
+    if source.experiment.run != "evolution":
+        raise ValueError(
+            f"fit.law={law!r}: is of T(t) of evolution runs, not of {source.experiment.run} runs"
+        )
+    for run, _ in source.rows:
+        scene = run.scene
+        if scene.kernel.exponent == 0.0:
+            raise ValueError(
+                f"fit.law={law!r}: Haff's law holds for exponent > 0; run {run.path} has exponent 0, which "
+                "cools exponentially"
+            )
+        if scene.diffusion != 0.0:
+            raise ValueError(
+                f"fit.law={law!r}: Haff's law holds without heating; run {run.path} has diffusion "
+                f"{scene.diffusion!r}: set diffusion: 0.0"
+            )
+        assert run.time is not None
+        if (run.time.dt is not None and run.time.steps < 2) or run.time.recorded.size < 3:
+            raise ValueError(
+                f"fit.law={law!r}: needs three outputs or more; run {run.path} has {run.time.recorded.size}"
+            )
 
 
 def with_growth(table: xr.Dataset, source: TableSource) -> xr.Dataset:
@@ -145,12 +223,15 @@ def with_haff(table: xr.Dataset, source: TableSource) -> xr.Dataset:
         ds = read_dataset(file)
         time, T = ds["time"].values, ds["temperature"].values
         e, kernel = run.scene.restitution, run.scene.kernel
+        if ds["status"] != Status.OK or time.size < 3:
+            fitted.append((np.nan, np.nan, np.nan))
+            continue
         C0 = (
             np.nan
             if callable(e)
             else theory.haff_constant(kernel, float(e), run.scene.dim, T0=float(T[0]))
         )
-        fitted.append((*fit_haff(time, T), C0))
+        fitted.append((*fit_haff(time, T, exponent=kernel.exponent), C0))
     return _with_columns(table, _columns(("C0", "C0_error", "C0_theory"), fitted))
 
 
@@ -159,6 +240,9 @@ def with_slope(table: xr.Dataset, source: TableSource) -> xr.Dataset:
     found = []
     for run, file in source.rows:
         ds = read_dataset(file)
+        if ds["status"] != Status.OK:
+            found.append((np.nan, np.nan, run_seconds(file)))
+            continue
         time, T = ds["time"].values[1:], ds["temperature"].values[1:]
         at, slope = local_slope(time, T)
         late = slope[at > time[-1] / 10.0]
@@ -175,27 +259,40 @@ class Fit:
     ----------
     add : callable
         (table, source of the table) ↦ the table with the fit's columns.
+    check : callable
+        (table, source of the table) ↦ None; ValueError where the law cannot be fitted. It is called before
+        any run, too, with a table whose numbers are all 1.
     beside : tuple of str
         Variables of the runs that an evolution's table shows with the fit.
     """
 
     add: Callable[[xr.Dataset, TableSource], xr.Dataset]
+    check: Callable[[xr.Dataset, TableSource], None]
     beside: tuple[str, ...] = ()
 
 
 FITS: dict[str, Fit] = {
-    "order": Fit(with_order),
-    "haff": Fit(with_haff),
-    "growth": Fit(with_growth),
-    "slope": Fit(with_slope, beside=("a2",)),
+    "order": Fit(with_order, check_order),
+    "haff": Fit(with_haff, check_haff),
+    "growth": Fit(with_growth, check_growth),
+    "slope": Fit(with_slope, check_slope, beside=("a2",)),
 }
 """Laws that a study file can ask for, as ``fit: {law: ...}``."""
 
 
-def check_law(law: str) -> None:
-    """Raise ValueError unless `FITS` has the law."""
-    if law not in FITS:
-        raise unknown_name("law", law, list(FITS))
+def check_fit(table: xr.Dataset, source: TableSource) -> None:
+    """Raise ValueError unless the fit that an experiment asks for can be made of its table."""
+    fit = source.experiment.fit
+    if fit is None:
+        return
+    if fit.law not in FITS:
+        raise ValueError(f"fit.law: {unknown_name('law', fit.law, list(FITS))}")
+    allowed = {"order": (fit.x,), "growth": (None, "N")}.get(fit.law, (None,))
+    if fit.x not in allowed:
+        raise ValueError(
+            f"fit.x={fit.x!r}: only law 'order' takes it, not {fit.law!r}; leave it out"
+        )
+    FITS[fit.law].check(table, source)
 
 
 def _columns(names: Sequence[str], rows: Sequence[tuple[float, ...]]) -> dict[str, np.ndarray]:

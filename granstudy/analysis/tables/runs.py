@@ -1,6 +1,7 @@
 """Tables of evolutions, collisions and benchmarks."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -8,11 +9,12 @@ import xarray as xr
 from granstudy.analysis.columns import DERIVED, computed
 from granstudy.analysis.source import Row, TableSource
 from granstudy.analysis.tables.fits import FITS
-from granstudy.datasets.netcdf import read_dataset, run_seconds
+from granstudy.datasets.netcdf import read_dataset
 from granstudy.datasets.open_runs import final_values
 from granstudy.model.identity import coordinate
 from granstudy.model.methods import METHODS
-from granstudy.particles.dataset import time_average
+from granstudy.particles.dataset import BY_BATCH, time_average
+from granstudy.study.run import canonical
 from granstudy.study.schema.experiment import AverageModel, EvolutionExperiment
 from granstudy.support.errors import unknown_name
 from granstudy.support.variables import Variable, labelled
@@ -37,15 +39,22 @@ def evolution_table(source: TableSource) -> xr.Dataset:
         If the runs do not have the quantity.
     """
     assert isinstance(source.experiment, EvolutionExperiment)
-    asked, fit, rows = source.experiment.table, source.experiment.fit, source.rows
+    asked, rows = source.experiment.table, source.rows
     averages = _averages(rows, asked.average) if asked and asked.average else {}
-    last = final_values([row.file for row in rows])
+    return evolution_columns(source, final_values([row.file for row in rows]), averages)
+
+
+def evolution_columns(
+    source: TableSource, last: xr.Dataset, averages: Mapping[str, Variable]
+) -> xr.Dataset:
+    """The table of an evolution, from the values of its runs at their ends; parts as of `evolution_table`."""
+    fit, rows = source.experiment.fit, source.rows
     last = last[[name for name, v in last.data_vars.items() if v.dims == ("run",)]]
     check_quantity(source.quantity, last)
     ended = last["status"] == Status.OK
     last = last.map(lambda v: v.where(ended) if v.dtype.kind == "f" else v, keep_attrs=True)
     last = last.assign(averages)
-    beside = (*BESIDE, *(FITS[fit.law].beside if fit else ()))
+    beside = (*BESIDE, *(FITS[fit.law].beside if fit and fit.law in FITS else ()))
     shown = (source.quantity, f"{source.quantity}_standard_error", *averages, *beside, "status")
     return with_swept(last[[name for name in dict.fromkeys(shown) if name in last]], rows)
 
@@ -63,7 +72,14 @@ def collision_table(source: TableSource) -> xr.Dataset:
         reference = references[path]
         error[i] = abs(read_dataset(file)["Q"] - reference).max()
         scale[i] = abs(reference).max()
-    table = final_values([file for _, file in rows])[["status"]]
+    return collision_columns(source, final_values([file for _, file in rows]), error, scale)
+
+
+def collision_columns(
+    source: TableSource, last: xr.Dataset, error: np.ndarray, scale: np.ndarray
+) -> xr.Dataset:
+    """The table of collisions, from largest differences of Q and largest Q; as of `collision_table`."""
+    rows, table = source.rows, last[["status"]]
     for name, values in (("collision_error", error), ("relative_error", error / scale)):
         table[name] = computed(name, values)
     return with_swept(table, rows)
@@ -91,6 +107,13 @@ def with_swept(table: xr.Dataset, rows: Sequence[Row]) -> xr.Dataset:
     swept = [coordinate(key) for key, _ in rows[0].run.values]
     if "M_sph" in swept and "N_theta" in table.coords and (table["N_theta"] > 0).any():
         swept[swept.index("M_sph") + 1 : swept.index("M_sph") + 1] = ["N_theta", "N_phi"]
+    table = table.assign_coords(
+        {
+            coordinate(word): ("run", _as_coordinate([dict(run.values)[word] for run, _ in rows]))
+            for word, _ in rows[0].run.values
+            if coordinate(word) not in table.coords
+        }
+    )
     along = [str(name) for name, c in table.coords.items() if c.dims == ("run",)]
     others = {name: table[name].values for name in along if name not in swept}
     table = table.drop_vars(list(others)).assign_coords(
@@ -100,18 +123,32 @@ def with_swept(table: xr.Dataset, rows: Sequence[Row]) -> xr.Dataset:
     return table
 
 
-def with_seconds(table: xr.Dataset, rows: Sequence[Row]) -> xr.Dataset:
-    """Add the wall time of every run."""
-    seconds = [run_seconds(file) for _, file in rows]
-    return table.assign(seconds=computed("seconds", seconds))
+def _as_coordinate(values: Sequence[Any]) -> np.ndarray:
+    """Values of a word that datasets have no coordinate of: numbers, or texts where one is none."""
+    if all(isinstance(value, int | float) for value in values):
+        return np.array(values)
+    return np.array([canonical(value) for value in values], dtype=object)
 
 
-def _averages(rows: Sequence[Row], asked: AverageModel) -> dict[str, Variable]:
-    """Averages over time in place of last values, with their standard errors over batches."""
+def check_average(rows: Sequence[Row], asked: AverageModel) -> None:
+    """Raise ValueError unless the runs have batches to average, of what is asked for, up to late enough."""
     for run, _ in rows:
         if not run.solver.traits.by_particles:
             names = " and ".join(repr(name) for name, m in METHODS.items() if m.by_particles)
             raise ValueError(f"table.average: only method {names} has it, not {run.path}")
+        assert run.time is not None
+        if asked.start > run.time.t_final:
+            raise ValueError(
+                f"table.average.start={asked.start!r}: must be t_final={run.time.t_final!r} at most"
+            )
+    for name in asked.of:
+        if name not in BY_BATCH:
+            raise ValueError(f"table.average.of: {unknown_name('moment', name, BY_BATCH)}")
+
+
+def _averages(rows: Sequence[Row], asked: AverageModel) -> dict[str, Variable]:
+    """Averages over time in place of last values, with their standard errors over batches."""
+    check_average(rows, asked)
     datasets = [read_dataset(file) for _, file in rows]
     variables = {}
     for name in asked.of:

@@ -43,10 +43,18 @@ def state_table(source: TableSource) -> xr.Dataset:
     ValueError
         If the runs do not have the quantity, or another's table does not fit.
     """
+    return state_columns(source, final_values([file for _, file in source.rows]))
+
+
+NUMBERS = ("temperature", "a2", "a3", "cooling_coefficient", "a2_error_estimate")
+"""Variables of states that their table has."""
+
+
+def state_columns(source: TableSource, last: xr.Dataset) -> xr.Dataset:
+    """The table of states, from their numbers; as of `state_table`."""
     assert isinstance(source.experiment, StateExperiment)
     rows, state = source.rows, source.experiment.state
-    names = ["temperature", "a2", "a3", "cooling_coefficient", "a2_error_estimate", "status"]
-    table = final_values([file for _, file in rows])[[*names, "trust"]]
+    table = last[[*NUMBERS, "status", "trust"]]
     table = with_swept(table.rename(a2_error_estimate="estimated_a2_error"), rows)
     others = dict(zip(source.experiment.beside_table, source.beside, strict=True))
     table.attrs |= {"state": state, "dim": rows[0].run.scene.dim, "beside": " ".join(others)}

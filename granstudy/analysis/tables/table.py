@@ -12,7 +12,7 @@ import xarray as xr
 from granstudy.analysis.columns import reading_order
 from granstudy.analysis.paper.printed import printed_quantity, with_paper
 from granstudy.analysis.source import TableSource
-from granstudy.analysis.tables.fits import FITS, check_law
+from granstudy.analysis.tables.fits import FITS, check_fit
 from granstudy.analysis.tables.markdown import markdown_table
 from granstudy.analysis.tables.runs import (
     benchmark_table,
@@ -113,11 +113,10 @@ def experiment_table(
     )
     if not kind.one_file:
         _check_files(source)
-    if experiment.fit is not None:
-        check_law(experiment.fit.law)
     table = kind.table(source)
     check_quantity(source.quantity, table)
     table.attrs["quantity"] = source.quantity
+    check_fit(table, source)
     if experiment.fit is not None:
         table = FITS[experiment.fit.law].add(table, source)
     if asked and asked.paper:

@@ -1,14 +1,14 @@
 """Tables of runs beside their truth: errors of T and a2, the runs' own estimates, their labels."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 
 from granstudy.analysis.columns import computed
 from granstudy.analysis.source import TableSource
-from granstudy.analysis.tables.runs import with_seconds, with_swept
-from granstudy.datasets.netcdf import read_dataset
+from granstudy.analysis.tables.runs import with_swept
+from granstudy.datasets.netcdf import read_dataset, run_seconds
 from granstudy.datasets.open_runs import final_values
 from granstudy.study.run import Run
 from granstudy.study.schema.experiment import EvolutionExperiment, TruthModel
@@ -48,15 +48,32 @@ def truth_table(source: TableSource) -> xr.Dataset:
         for name in ("temperature_error_estimate", "a2_error_estimate"):
             columns[name].append(float(ds[name].max()) if ds.sizes["time"] else np.nan)
         sources[_known(truth)] = None
-    for name, values in columns.items():
+    if wants_seconds(source):
+        columns["seconds"] = [run_seconds(file) for _, file in rows]
+    return truth_columns(source, table, columns, list(sources))
+
+
+def wants_seconds(source: TableSource) -> bool:
+    """Whether the table has the wall time of every run."""
+    assert isinstance(source.experiment, EvolutionExperiment)
+    asked = source.experiment.table
+    return asked is not None and asked.seconds
+
+
+def truth_columns(
+    source: TableSource,
+    table: xr.Dataset,
+    measures: Mapping[str, Sequence[float]],
+    truths: Sequence[str],
+) -> xr.Dataset:
+    """The table of runs beside a truth, from last values, `MEASURES` and the truths; as of `truth_table`."""
+    for name, values in measures.items():
         table[name] = computed(name, values)
     for name, long_name in AT_THE_END.items():
         table[name].attrs = attributes(long_name)
-    table = with_swept(table, rows)
-    table.attrs["truth"] = "; ".join(sources)
-    assert isinstance(source.experiment, EvolutionExperiment)
-    asked = source.experiment.table
-    return with_seconds(table, rows) if asked and asked.seconds else table
+    table = with_swept(table, source.rows)
+    table.attrs["truth"] = "; ".join(truths)
+    return table
 
 
 def truth_model(run: Run) -> TruthModel:

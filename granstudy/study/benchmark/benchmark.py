@@ -60,6 +60,12 @@ def benchmark(runs: Sequence[Run], threads: int) -> xr.Dataset:
             rows += measure(group, count, references)
     if timing.memory:
         rows = with_memory(rows, threads)
+    return benchmark_dataset(rows)
+
+
+def benchmark_dataset(rows: Sequence[Measurement]) -> xr.Dataset:
+    """The dataset of a benchmark out of what was measured; as of `benchmark`."""
+    timing, with_errors = rows[0].run.timing, rows[0].run.has_reference
     left_out = {"error", "front", "baseline"} if not with_errors else set()
     left_out |= {"peak_memory_mb"} if not timing.memory else set()
     values = {name: value for name, value in _values(rows).items() if name not in left_out}

@@ -1,10 +1,10 @@
 """One experiment of a study file: runs of one kind, swept. A class a kind, told apart by ``run``."""
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
-from granstudy.study.schema.generated import OLD_WORDS, Section, renamed
+from granstudy.study.schema.generated import OLD_WORDS, Section
 from granstudy.study.schema.sections import (
     RangeModel,
     RefineModel,
@@ -15,6 +15,7 @@ from granstudy.study.schema.sections import (
     TimeModel,
     Value,
 )
+from granstudy.study.schema.sweeps import read_sweep, values_of
 from granstudy.study.schema.words import SWEPT
 from granstudy.support.errors import nearest
 from granstudy.support.own_code.load import is_reference
@@ -124,13 +125,6 @@ class FigureModel(Section):
     )
 
 
-def values_of(entry: Any) -> list[Any]:
-    """The values of one entry of a sweep: a range's, a list's, or the one value itself."""
-    if isinstance(entry, RangeModel):
-        return list(entry.values())
-    return entry if isinstance(entry, list) else [entry]
-
-
 class ExperimentBase(Section):
     """What experiments of every kind have: a scene and a solver, swept."""
 
@@ -145,6 +139,7 @@ class ExperimentBase(Section):
     sweep: Annotated[
         list[dict[str, RangeModel | Value | list[Value]]],
         Field(min_length=1, description="blocks; each the product of its lists and ranges"),
+        BeforeValidator(read_sweep),
     ]
     table: TableModel | None = None
     fit: FitModel | None = None
@@ -170,31 +165,18 @@ class ExperimentBase(Section):
         """Other experiments that this one's figure shows."""
         return [] if self.figure is None else self.figure.beside
 
-    @model_validator(mode="before")
-    @classmethod
-    def _old_words(cls, values: Any) -> Any:
-        blocks = values.get("sweep") if isinstance(values, dict) else None
-        if not isinstance(blocks, list):
-            return values
-        return values | {
-            "sweep": [renamed(block) if isinstance(block, dict) else block for block in blocks]
-        }
-
     @model_validator(mode="after")
     def _sweeps_parameters(self) -> "ExperimentBase":
         keys = [tuple(sorted(block)) for block in self.sweep]
         for block in self.sweep:
-            for key, entry in block.items():
-                self._check_swept(key, values_of(entry))
+            for key in block:
+                self._check_swept(key)
         if len(set(keys)) > 1 and self.same_parameters:
             raise ValueError(f"sweep: all blocks must set the same parameters, got {keys}")
         return self
 
-    def _check_swept(self, key: str, values: list[Any]) -> None:
-        if not values:
-            raise ValueError(f"sweep.{key}: is empty; give at least one value")
-        names = any(key == "scene" and is_reference(value) for value in values)
-        if key not in SWEPT and not (self._has_own_code or names):
+    def _check_swept(self, key: str) -> None:
+        if key not in SWEPT and not self._has_own_code:
             allowed = [name for name in SWEPT if self._takes(name)]
             raise ValueError(
                 f"sweep: unknown parameter {key!r}{nearest(key, [*allowed, *OLD_WORDS])}: allowed are "
@@ -217,12 +199,6 @@ class ExperimentBase(Section):
             for value in (values_of(block[key]) if key in block else [])
         ]
         return self.scene.has_own_code or any(map(is_reference, swept))
-
-    @model_validator(mode="after")
-    def _shows_a_truth_it_has(self) -> "ExperimentBase":
-        if self.figure is not None and self.figure.kind == "gallery" and not self.has_truth:
-            raise ValueError("figure.kind: a gallery shows runs beside their truth; give one")
-        return self
 
 
 class EvolutionExperiment(ExperimentBase):

@@ -3,22 +3,20 @@
 from pathlib import Path
 from typing import Annotated, Any
 
-import yaml
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 
 from granstudy.study.schema.experiment import Experiment
 from granstudy.study.schema.generated import Section
 from granstudy.study.schema.mistakes import explain
+from granstudy.study.schema.names import check_experiment_names, check_study_name
+from granstudy.study.schema.reading import read_yaml
+from granstudy.study.schema.values import shown
 
 
 class MapModel(Section):
     """A table and a figure of all experiments that have a truth: errors and labels."""
 
     title: str
-
-
-MAP = "map"
-"""What the files of a study's map are called; no experiment can have that name."""
 
 
 class StudyFile(Section):
@@ -28,10 +26,15 @@ class StudyFile(Section):
     experiments: Annotated[dict[str, Experiment], Field(min_length=1)]
     map: MapModel | None = None
 
+    @field_validator("experiments", mode="before")
+    @classmethod
+    def _are_names(cls, experiments: Any) -> Any:
+        if isinstance(experiments, dict):
+            check_experiment_names(experiments)
+        return experiments
+
     @model_validator(mode="after")
     def _fits_together(self) -> "StudyFile":
-        if MAP in self.experiments:
-            raise ValueError(f"experiments.{MAP}: is the name of the map's files; take another")
         if self.map is not None and not self.with_truth:
             raise ValueError("map: shows experiments with a truth, and there is none")
         return self
@@ -50,14 +53,8 @@ def read_study_file(path: str | Path) -> StudyFile:
     ValueError
         One line an error, each naming the file, the field, the value and what is allowed.
     """
-    path = Path(path)
-    if not path.is_file():
-        raise ValueError(f"study {str(path)!r}: no such file")
-    try:
-        content = yaml.safe_load(path.read_text())
-    except yaml.YAMLError as error:
-        raise ValueError(f"{path}: not YAML: {error}") from None
-    return study_model(content, str(path))
+    check_study_name(path)
+    return study_model(read_yaml(path), str(path))
 
 
 def study_model(content: Any, source: str = "study") -> StudyFile:
@@ -75,6 +72,11 @@ def study_model(content: Any, source: str = "study") -> StudyFile:
     ValueError
         One line an error, each naming the source, the field, the value and what is allowed.
     """
+    if not isinstance(content, dict):
+        what = "is empty" if content is None else f"holds {shown(content)}"
+        raise ValueError(
+            f"{source}: {what}; a study has the fields {', '.join(StudyFile.model_fields)}"
+        )
     try:
         return StudyFile.model_validate(content)
     except ValidationError as error:

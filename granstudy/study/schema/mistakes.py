@@ -8,6 +8,7 @@ from pydantic.fields import FieldInfo
 
 from granstudy.study.schema.experiment import Experiment
 from granstudy.study.schema.generated import OLD_WORDS, Section
+from granstudy.study.schema.values import TYPE_ERRORS, members, refusal, shown
 from granstudy.support.errors import nearest, unknown_name
 
 
@@ -46,31 +47,59 @@ class Place(NamedTuple):
 def place(section: type[Section], path: Sequence[int | str]) -> Place:
     """Follow a path of fields, keys and indices into a section."""
     found = Place([], [], None)
-    inside = [section]
+    inside, chosen = [section], False
     for part in path:
-        chosen = [each for each in inside if each.__name__ == part]
-        if chosen:
-            inside = chosen
+        named = [each for each in inside if each.__name__ == part]
+        if named:
+            inside, chosen = named, True
         elif isinstance(part, int):
             found = found._replace(names=[*found.names, str(part)])
+        elif found.field is not None and not chosen and len(members(found.field.annotation)) > 1:
+            continue  # the name of a type that the field has the choice of
         else:
             fields = [each.model_fields[part] for each in inside if part in each.model_fields]
             field = fields[0] if fields else None
             found = Place([*found.names, part], inside, field)
-            inside = sections_in(field.annotation) if field is not None else []
+            inside, chosen = (sections_in(field.annotation) if field is not None else []), False
     return found
 
 
+class Mistake(NamedTuple):
+    """One thing wrong: at which field, what, and whether it is that the value has another type."""
+
+    names: tuple[str, ...]
+    texts: list[str]
+    of_type: bool
+
+
 def explain(error: ValidationError, file: type[Section]) -> list[str]:
-    """The lines for all that is wrong; each names the field, its value and what is allowed."""
-    return [line for problem in error.errors() for line in _lines(problem, file)]
+    """The lines for all that is wrong; each names the field, its value and what is allowed.
+
+    Of a field that has the choice of several types one line says all of them; none where the mistake lies
+    inside of one of them.
+    """
+    found = [_mistake(problem, file) for problem in error.errors()]
+    deeper = {each.names[:size] for each in found for size in range(len(each.names))}
+    kept = [each for each in found if not (each.of_type and each.names in deeper)]
+    return list(dict.fromkeys(line for each in kept for line in _lines(each)))
 
 
-def _lines(problem: Any, file: type[Section]) -> list[str]:
+def _lines(mistake: Mistake) -> list[str]:
+    where = ".".join(mistake.names)
+    return [
+        f"{where}{text}" if text.startswith(".") else ": ".join(filter(None, (where, text)))
+        for text in mistake.texts
+    ]
+
+
+def _mistake(problem: Any, file: type[Section]) -> Mistake:
     kind, value = problem["type"], problem["input"]
     match problem["loc"]:
+        case ("experiments", name) if not isinstance(value, dict):
+            what = f"value {shown(value)}: must be a section with run: {', '.join(EXPERIMENTS)}"
+            return Mistake(("experiments", str(name)), [what], False)
         case ("experiments", name) if kind.startswith("union_tag"):
-            return _without_kind(f"experiments.{name}", value)
+            return Mistake((), _without_kind(f"experiments.{name}", value), False)
         case ("experiments", name, run, *path) if run in EXPERIMENTS:
             found = place(EXPERIMENTS[run], path)
             names, takers = ["experiments", name, *found.names], taken_by(found.names)
@@ -78,31 +107,19 @@ def _lines(problem: Any, file: type[Section]) -> list[str]:
             found = place(file, path)
             names, takers = found.names, ""
     is_missing = value is None and found.field is not None and found.field.is_required()
+    is_of_type = False
     if kind == "extra_forbidden":
         known = [name for section in found.around for name in section.model_fields]
         what = takers or _unknown(found.names[-1], known)
     elif kind == "missing" or is_missing:
         what = takers or "must be given"
     else:
-        what = _refused(problem)
-    return [": ".join(filter(None, (".".join(names), what)))]
+        is_of_type = kind.endswith(TYPE_ERRORS)
+        what = refusal(problem, found.field and found.field.annotation)
+    return Mistake(tuple(map(str, names)), what.splitlines(), is_of_type)
 
 
-def _refused(problem: Any) -> str:
-    """Why a value is refused, and what to write in place of a number that YAML reads as text."""
-    value, message = problem["input"], problem["msg"].removeprefix("Value error, ")
-    shown = "" if isinstance(value, dict) else f"value {value!r}: "
-    hint = ""
-    if isinstance(value, str) and problem["type"].startswith(("float", "int")):
-        try:
-            float(value)
-            hint = " (YAML reads 1e-3 as text: write 1.0e-3)"
-        except ValueError:
-            pass
-    return f"{shown}{message}{hint}"
-
-
-def _without_kind(where: str, experiment: dict[str, Any]) -> list[str]:
+def _without_kind(where: str, experiment: Any) -> list[str]:
     """What is wrong with an experiment whose ``run`` is not known: nothing else of it can be checked."""
     if "run" in experiment:
         return [f"{where}.run: {unknown_name('run', experiment['run'], list(EXPERIMENTS))}"]
@@ -112,7 +129,8 @@ def _without_kind(where: str, experiment: dict[str, Any]) -> list[str]:
 
 
 def _unknown(name: object, known: list[str]) -> str:
-    close = nearest(str(name), [*known, *OLD_WORDS])
+    old = [word for word, new in OLD_WORDS.items() if new in known]
+    close = nearest(str(name), [*known, *old])
     return f"unknown field{close}; allowed are {', '.join(known)}"
 
 

@@ -38,24 +38,27 @@ class RangeModel(Section):
     def _count_or_step(self) -> "RangeModel":
         if (self.count is None) == (self.step is None):
             raise ValueError("count, step: give one")
-        if not all(math.isfinite(value) for value in (self.start, self.stop, self.step or 1.0)):
+        numbers = (self.start, self.stop, self.step or 1.0, float(self.stop) - self.start)
+        if not all(math.isfinite(value) for value in numbers):
             raise ValueError("start, stop, step: must be finite numbers")
         if self.spacing == "log" and (self.step is not None or min(self.start, self.stop) <= 0):
             raise ValueError("spacing: log needs a count, and positive start and stop")
         if self.step is not None and self._steps(self.step) < 1:
             raise ValueError(f"step={self.step!r}: does not lead from start to stop")
-        if len(self) > MOST_VALUES:
-            raise ValueError(f"{len(self)} values: must be {MOST_VALUES} at most")
+        steps = 0 if self.step is None else self._steps(self.step)
+        if max(steps, self.count or 0) >= MOST_VALUES:
+            raise ValueError(f"count, step: more than {MOST_VALUES:,} values; must be fewer")
         return self
 
-    def _steps(self, step: float) -> int:
-        return math.floor((self.stop - self.start) / step * (1 + 1e-9)) if step else 0
+    def _steps(self, step: float) -> float:
+        steps = (self.stop - self.start) / step * (1 + 1e-9) if step else 0.0
+        return math.floor(steps) if abs(steps) < MOST_VALUES else steps
 
     def __len__(self) -> int:
         if self.count is not None:
             return self.count
         assert self.step is not None
-        return 1 + self._steps(self.step)
+        return 1 + int(self._steps(self.step))
 
     def values(self) -> list[int | float]:
         """The values themselves, to 12 digits; whole numbers where start and step, or all values, are."""
@@ -74,8 +77,8 @@ class RangeModel(Section):
         return rounded
 
 
-MOST_VALUES = 1_000_000
-"""Values that a range may have at most."""
+MOST_VALUES = 100_000
+"""Values that a range has fewer than."""
 
 
 class ViscoelasticModel(Section):
@@ -167,6 +170,10 @@ class SolverModel(Section):
     """How well it is modelled: any field of `granstudy.Solver` that is not swept."""
 
 
+MOST_OUTPUTS = 100_000
+"""Outputs that times with a number a decade make at most."""
+
+
 class TimesModel(Section):
     """Output times, spaced evenly in their logarithm."""
 
@@ -177,7 +184,14 @@ class TimesModel(Section):
     def outputs(self, t_final: float) -> list[float]:
         """The times themselves."""
         last = t_final if self.last is None else self.last
-        count = 1 + round(self.per_decade * math.log10(last / self.first))
+        if not self.first < last:
+            raise ValueError(f"times.first={self.first!r}: must be below the last time, {last!r}")
+        count = 1 + round(self.per_decade * (math.log10(last) - math.log10(self.first)))
+        if count > MOST_OUTPUTS:
+            raise ValueError(
+                f"times.per_decade={self.per_decade!r}: makes {count} outputs; must be {MOST_OUTPUTS:,} at "
+                "most"
+            )
         return np.geomspace(self.first, last, max(count, 1)).tolist()
 
 

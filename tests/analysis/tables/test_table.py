@@ -117,7 +117,11 @@ def test_a_column_that_nobody_listed_is_an_error_that_names_it(made, monkeypatch
             None,
             "paper='figure4': prints C0, which the table",
         ),
-        ({"quantity": "a2"}, {"law": "order", "x": "N"}, "fit.x='N': an order is fitted against"),
+        (
+            {"quantity": "a2"},
+            {"law": "order", "x": "N"},
+            "fit.x='N': must be one of the swept parameters dt",
+        ),
     ],
 )
 def test_what_the_runs_do_not_fit_is_refused(made, table, fit, message):

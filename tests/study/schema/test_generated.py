@@ -27,7 +27,7 @@ def test_types_are_those_that_yaml_writes():
 
 def test_the_scene_section_has_the_parameters_of_all_densities():
     scene = SceneModel(name="maxwellian2d", velocity=[0.5, 0.0], temperature=2)
-    assert scene.density == {"velocity": [0.5, 0.0], "temperature": 2}
+    assert scene.words == {"velocity": [0.5, 0.0], "temperature": 2}
     assert set(density_fields()) == {"temperature", "velocity", "separation", "tail"}
     help_text = SceneModel.model_fields["temperature"].description
     assert help_text == (
