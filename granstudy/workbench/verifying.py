@@ -28,7 +28,6 @@ from granstudy.runs.refinement import refined
 from granstudy.runs.run_key import run_key
 from granstudy.velocity.symmetry import NAMED, Symmetry
 
-
 NAMES = {"scene", "restitution"}
 """Coordinates that name functions: by the file of the user, which the dataset does not need."""
 
