@@ -3,7 +3,7 @@
 import click
 
 from granstudy.analysis.tables.overview import overview
-from granstudy.commands.options import RESULTS, STUDY
+from granstudy.commands.options import RESULTS, STUDY, counted
 from granstudy.workbench.open_study import open_study
 
 
@@ -13,8 +13,8 @@ from granstudy.workbench.open_study import open_study
 def check(study: str, results: str) -> None:
     """Check a study file: every run, reference, table and figure, before any work."""
     opened = open_study(study, results=results)
-    runs = len(opened.runs)
-    click.echo(f"{study}: {len(opened.experiments)} experiments, {runs} runs, no mistakes")
+    found = [counted(len(opened.experiments), "experiment"), counted(len(opened.runs), "run")]
+    click.echo(f"{study}: {', '.join(found)}, no mistakes")
 
 
 @click.command()

@@ -1,4 +1,4 @@
-"""Arguments that several commands take."""
+"""Arguments that several commands take, and how they count."""
 
 import click
 
@@ -13,3 +13,8 @@ RESULTS = click.option(
     help="Folder of the results of all studies.",
 )
 """Where results lie."""
+
+
+def counted(number: int, what: str) -> str:
+    """So many of something: 1 run, 2 runs."""
+    return f"{number} {what}" + ("" if number == 1 else "s")

@@ -2,7 +2,7 @@
 
 import click
 
-from granstudy.commands.options import RESULTS
+from granstudy.commands.options import RESULTS, counted
 from granstudy.workbench.pruning import remove, unused
 
 
@@ -16,15 +16,20 @@ from granstudy.workbench.pruning import remove, unused
     help="A study or sweep that is no longer wanted, as listed: 'study old', 'sweep unnamed'.",
 )
 def prune(results: str, yes: bool, give_up: tuple[str, ...]) -> None:
-    """List the runs in the store that no study and no sweep has; with --yes, remove them."""
+    """List the runs in the store that no study and no sweep has; with --yes, remove them.
+
+    A study that was renamed or deleted keeps its runs until its name is given up.
+    """
     found = unused(results, give_up)
     for name, count in found.kept.items():
-        click.echo(f"{name}: {count} runs, kept")
+        click.echo(f"{name}: {counted(count, 'run')}, kept")
     size = found.bytes / 1e6
-    if not found.keys:
+    if yes:
+        remove(results, found.keys, give_up)
+        click.echo(f"removed {counted(len(found.keys), 'run')}, {size:.1f} MB")
+    elif not found.keys:
         click.echo("no run is unused")
-    elif yes:
-        remove(results, found.keys)
-        click.echo(f"removed {len(found.keys)} runs, {size:.1f} MB")
     else:
-        click.echo(f"{len(found.keys)} runs, {size:.1f} MB, are no one's; --yes removes them")
+        click.echo(
+            f"no one has {counted(len(found.keys), 'run')}, {size:.1f} MB; --yes removes them"
+        )

@@ -9,6 +9,9 @@ import click
 
 from granstudy.commands.options import RESULTS, STUDY
 
+CONFIG = ("--config", "-C")
+"""Snakemake's option for what a workflow is told."""
+
 
 @click.command(context_settings={"ignore_unknown_options": True})
 @STUDY
@@ -24,7 +27,21 @@ def run(study: str, results: str, cores: int, snakemake_arguments: tuple[str, ..
         raise ValueError(
             f"{Path.cwd()}: has no Snakefile; go to the folder of granstudy's checkout, which has it"
         )
-    command = ["snakemake", "--cores", str(cores), *snakemake_arguments]
-    command += ["--config", f"study={study}", f"results={results}"]
+    own, arguments = [f"study={study}", f"results={results}"], list(snakemake_arguments)
+    given = [place for place, word in enumerate(arguments) if word in CONFIG]
+    if given:  # Snakemake takes the last of several
+        arguments[given[-1] + 1 : given[-1] + 1] = own
+    else:
+        arguments += [CONFIG[0], *own]
+    command = ["snakemake", "--cores", str(cores), *arguments]
     click.echo(shlex.join(command))
-    sys.exit(subprocess.run([sys.executable, "-m", *command], check=False).returncode)
+    sys.exit(_status(subprocess.Popen([sys.executable, "-m", *command])))
+
+
+def _status(process: "subprocess.Popen[bytes]") -> int:
+    """How the process ended. ^C reaches it too, and it ends by itself."""
+    while True:
+        try:
+            return process.wait()
+        except KeyboardInterrupt:
+            continue

@@ -20,7 +20,7 @@ from granstudy.workbench.verifying import verify_dataset
 def verify(files: tuple[str, ...], run_code: bool, tolerance: float) -> None:
     """Compute runs anew from what their files say, and compare.
 
-    Exits with 1 if a file is damaged, does not say what computed it, or differs by more than the tolerance.
+    Exits with 1 if a file is damaged, cannot be computed anew, or differs by more than the tolerance.
     """
     bad = 0
     for file in files:
@@ -31,7 +31,7 @@ def verify(files: tuple[str, ...], run_code: bool, tolerance: float) -> None:
             bad += 1
             continue
         except ValueError as error:
-            click.echo(f"{file}: not computed anew: {error}")
+            click.echo(f"{file}: not verified: {error}")
             bad += 1
             continue
         code = "" if verdict.same_code else ", the code changed since"

@@ -143,16 +143,21 @@ def keep(
         if there is not None:
             return _outcome(key, there, None)
         start = time.perf_counter()
-        try:
-            ds = make()
-        except ChangedError:
-            raise
-        except CAUSES as error:
-            traceback.print_exc()
-            ds = failed(f"{type(error).__name__}: {error}")
+        ds = made(make, failed)
         seconds = time.perf_counter() - start
         store.write(key, ds.assign_attrs(attributes), seconds)
         return _outcome(key, ds, seconds)
+
+
+def made(make: Callable[[], xr.Dataset], failed: Callable[[str], xr.Dataset]) -> xr.Dataset:
+    """What ``make`` makes; where it cannot for `CAUSES`, what ``failed`` makes of the reason."""
+    try:
+        return make()
+    except ChangedError:
+        raise
+    except CAUSES as error:
+        traceback.print_exc()
+        return failed(f"{type(error).__name__}: {error}")
 
 
 def _in_store(

@@ -87,6 +87,8 @@ def radial_excess(dim: int, nodes: np.ndarray, s: float) -> np.ndarray:
     higher order in h/r is left.
     """
     N = len(nodes)
+    if s % 2.0 == 0.0:  # no kink
+        return np.zeros((N, N))
     q = s + dim - 1.0
     modes = 8 * N
     [images] = image_sums(1, modes, [q])

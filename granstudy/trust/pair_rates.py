@@ -182,11 +182,13 @@ class _CartesianPairs:
         weights = pair_weights(scene, grid.spacing * np.sqrt(distinct))
         inner = pair_weights(scene, np.array([0.5 * grid.spacing]))
         powers = [scene.kernel.exponent + power for power in WEIGHT_POWERS]
-        excesses = lattice_excess(grid.dim, grid.N, powers)
+        distinct_powers = sorted(set(powers))
+        excesses = lattice_excess(grid.dim, grid.N, distinct_powers)
+        excess = dict(zip(distinct_powers, excesses, strict=True))
         half = np.ix_(*(step,) * (grid.dim - 1), step[: grid.N + 1])
         transforms = [
-            self._transform(w[place], float(near[0]) * 2.0**s * excess[half], grid.cell)
-            for w, near, s, excess in zip(weights, inner, powers, excesses, strict=True)
+            self._transform(w[place], float(near[0]) * 2.0**s * excess[s][half], grid.cell)
+            for w, near, s in zip(weights, inner, powers, strict=True)
         ]
         self._weights = PairWeights(*transforms)
 
@@ -237,9 +239,8 @@ class _RadialPairs:
         inner = pair_weights(scene, np.array([0.5 * grid.spacing]))
         powers = [scene.kernel.exponent + power for power in WEIGHT_POWERS]
         near = [float(w[0]) / (0.5 * grid.spacing) ** s for w, s in zip(inner, powers, strict=True)]
-        kink = PairWeights(
-            *(a * radial_excess(grid.dim, speeds, s) for a, s in zip(near, powers, strict=True))
-        )
+        excess = {s: radial_excess(grid.dim, speeds, s) for s in set(powers)}
+        kink = PairWeights(*(a * excess[s] for a, s in zip(near, powers, strict=True)))
         forms = -_form(kink, V, V_)
         for cosine, weight in zip(x, w / 2, strict=True):
             rho = np.sqrt(np.maximum(V + V_ - 2.0 * cosine * r * r.T, 0.0))

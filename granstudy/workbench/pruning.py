@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from granstudy.runs.store import Store
-from granstudy.workbench.roots import roots
+from granstudy.workbench.roots import forget_root, roots
 
 
 @dataclass(frozen=True)
@@ -44,16 +44,19 @@ def unused(results: str | Path, given_up: Sequence[str] = ()) -> Unused:
     store, found = Store.beside(results), dict(roots(results))
     for name in given_up:
         if name not in found:
-            raise ValueError(f"{name!r}: no such study or sweep; there are {', '.join(found)}")
+            there = f"there are {', '.join(found)}" if found else "there are none"
+            raise ValueError(f"{name!r}: no such study or sweep; {there}")
     kept = {name: keys for name, keys in found.items() if name not in given_up}
-    there = store.keys()
-    keys = sorted(there - set().union(*kept.values()))
+    in_store = store.keys()
+    keys = sorted(in_store - set().union(*kept.values()))
     size = sum(store.path(key).stat().st_size for key in keys)
-    return Unused(keys, size, {name: len(own & there) for name, own in kept.items()})
+    return Unused(keys, size, {name: len(own & in_store) for name, own in kept.items()})
 
 
-def remove(results: str | Path, keys: Sequence[str]) -> None:
-    """Remove runs from the store."""
+def remove(results: str | Path, keys: Sequence[str], given_up: Sequence[str] = ()) -> None:
+    """Remove runs from the store, and forget the studies and sweeps that were given up."""
     store = Store.beside(results)
+    for name in given_up:
+        forget_root(results, name)
     for key in keys:
         store.remove(key)

@@ -4,7 +4,10 @@ import ast
 import hashlib
 import json
 import linecache
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,17 +15,21 @@ import numpy as np
 import xarray as xr
 
 from granstudy.datasets.netcdf import read_dataset
-from granstudy.datasets.parameters import PARAMETERS
-from granstudy.model.densities import INITIAL_DENSITIES, density_parameters
-from granstudy.model.identity import coordinate
-from granstudy.model.load_scene import load_scene
-from granstudy.model.restitution import law_parameters
+from granstudy.model.densities import density_parameters, named_density
+from granstudy.model.identity import code, coordinate
+from granstudy.model.kernel import VHS
+from granstudy.model.own_functions import own_density, own_law
+from granstudy.model.restitution import LAWS, law_parameters
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.runs.computation import Computation, Refinement
-from granstudy.runs.execute import execute
+from granstudy.runs.execute import execute, failed_dataset, made
 from granstudy.runs.refinement import refined
 from granstudy.runs.run_key import run_key
+from granstudy.velocity.symmetry import NAMED, Symmetry
+
+NAMES = {"scene", "restitution"}
+"""Coordinates that name functions: by the file of the user, which the dataset does not need."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +41,8 @@ class Verdict:
     same_code : bool
         Whether the code is still that which computed the file.
     differences : dict of float
-        Of variables that are not equal bit for bit: the largest difference over the largest value.
+        Of variables that are not equal bit for bit: the largest difference over the largest value; infinite
+        where they cannot be compared.
     """
 
     same_code: bool
@@ -67,13 +75,15 @@ def verify_dataset(path: str | Path, run_code: bool = False, threads: int = 1) -
     """
     ds = read_dataset(path)
     computation = computation_of(ds, run_code)
-    anew = (
-        execute(computation, threads)
-        if computation.refinement is None
-        else refined(computation, lambda rung: execute(rung, threads))
+    anew = made(
+        lambda: (
+            execute(computation, threads)
+            if computation.refinement is None
+            else refined(computation, lambda rung: execute(rung, threads))
+        ),
+        lambda reason: failed_dataset(computation, reason),
     )
-    key = ds.attrs.get("run_key")
-    return Verdict(run_key(computation) == key, _differences(ds, anew))
+    return Verdict(run_key(computation) == ds.attrs.get("run_key"), _differences(ds, anew))
 
 
 def computation_of(ds: xr.Dataset, run_code: bool = False) -> Computation:
@@ -117,69 +127,67 @@ def _refinement(said: dict[str, Any]) -> Refinement:
 
 def _scene(ds: xr.Dataset, said: dict[str, Any], run_code: bool) -> Scene:
     """The scene that a dataset describes."""
+    initial, law = said["initial"], said["restitution"]
     own: dict[str, Any] = {}
-    if any(isinstance(said[part], dict) for part in ("initial", "restitution")):
+    if isinstance(initial, dict) or isinstance(law, dict):
         if not run_code:
             raise ValueError(
                 "the dataset holds code of its user (attribute 'source'); it runs only when told to: "
                 "run_code=True, or --run-code"
             )
-        _run(ds.attrs["source"], own)
-    kernel = said["kernel"]
-    words: dict[str, Any] = {
-        "exponent": kernel["exponent"],
-        "strength": kernel["strength"],
-        "diffusion": said["diffusion"],
-    }
-    name: Any = str(ds["scene"].values)
-    if isinstance(said["initial"], dict):
-        name = _function(own, said["initial"]["function"])
-        words |= {"dim": said["dim"], **_given(said["initial"]["arguments"])}
-    elif name in INITIAL_DENSITIES:
-        parameters = [field.name for field in density_parameters(name)]
-        words |= {key: _value(ds, coordinate(key)) for key in parameters}
-    law = said["restitution"]
-    if isinstance(law, dict):
-        words["restitution"] = _function(own, law["function"])
-        words |= _given(law["arguments"])
-    elif isinstance(law, str):
-        words["restitution"] = str(ds["restitution"].values)
-        words |= {key: _value(ds, key) for key in law_parameters(words["restitution"])}
+        own = _run(ds.attrs["source"])
+    if isinstance(initial, dict):
+        density: Any = _rebuilt(own, initial, partial(own_density, dim=said["dim"]), said["dim"])
     else:
-        words["e"] = law
-    scene = load_scene(name, **words)
-    return scene if scene.symmetry.name == said["symmetry"] else _with_symmetry(scene, said)
+        name = str(ds["scene"].values)
+        fields = [field.name for field in density_parameters(name)]
+        density = named_density(name)(**{key: _value(ds, coordinate(key)) for key in fields})
+    if isinstance(law, dict):
+        law = _rebuilt(own, law, own_law)
+    elif isinstance(law, str):
+        name = str(ds["restitution"].values)
+        law = LAWS[name](**{key: _value(ds, coordinate(key)) for key in law_parameters(name)})
+    kernel, symmetry = VHS(**said["kernel"]), _symmetry(said["dim"], said["symmetry"])
+    return Scene(said["dim"], density, kernel, law, said["diffusion"], symmetry)
 
 
-def _with_symmetry(scene: Scene, said: dict[str, Any]) -> Scene:
-    """The scene with the symmetry that was declared for it."""
-    return Scene(
-        scene.dim,
-        scene.initial,
-        scene.kernel,
-        scene.restitution,
-        scene.diffusion,
-        symmetry=said["symmetry"],
-    )
+def _symmetry(dim: int, name: str) -> Symmetry:
+    """A group by its name, or by its generators."""
+    if name in NAMED:
+        return Symmetry.named(dim, name)
+    return Symmetry.generated(dim, *name.split("; "))
 
 
-def _run(source: str, own: dict[str, Any]) -> None:
-    """Run a dataset's source; its lines are known as a file's are, so that the code has its digest."""
+def _run(source: str) -> dict[str, Any]:
+    """Run the source that a dataset holds; its names. Its functions are known by their content."""
     name = f"<source {hashlib.sha256(source.encode()).hexdigest()[:16]}>"
     linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
+    own = {"__name__": "__main__"}
     exec(compile(source, name, "exec"), own)
+    return own
 
 
-def _function(own: dict[str, Any], reference: str) -> Any:
-    """A function of the user's code by its name, with or without the file's."""
-    name = reference.rpartition(":")[2]
+def _rebuilt(
+    own: dict[str, Any], said: dict[str, Any], bind: Callable[..., Any], dim: int | None = None
+) -> Any:
+    """A density or law of the user: its function with the arguments, or an object of its class."""
+    name = said["function"].rpartition(":")[2]
+    name = "function" if name == "lambda" else name
     if name not in own:
-        raise ValueError(f"{reference}: is not in the source that the dataset holds")
-    return own[name]
+        raise ValueError(f"{said['function']}: is not in the source that the dataset holds")
+    arguments = {key: _tuples(value) for key, value in said["arguments"].items()}
+    found = own[name]
+    if isinstance(found, type):
+        instance: Any = object.__new__(found)
+        instance.__dict__.update(arguments)
+        if code(instance, dim).digest == said.get("digest"):
+            return instance
+    return bind(found, arguments)
 
 
-def _given(arguments: dict[str, Any]) -> dict[str, Any]:
-    return {key: tuple(v) if isinstance(v, list) else v for key, v in arguments.items()}
+def _tuples(value: Any) -> Any:
+    """A value as it was before it was JSON, which knows no tuples."""
+    return tuple(map(_tuples, value)) if isinstance(value, list) else value
 
 
 def _value(ds: xr.Dataset, name: str) -> Any:
@@ -189,16 +197,34 @@ def _value(ds: xr.Dataset, name: str) -> Any:
 
 
 def _differences(ds: xr.Dataset, anew: xr.Dataset) -> dict[str, float]:
-    """Largest relative difference of each variable that is not equal bit for bit; 1 where shapes differ."""
+    """Largest relative difference of each variable that is not equal bit for bit.
+
+    Infinite where shapes, texts, or the places of NaN differ.
+    """
     found = {}
-    for name in sorted({*map(str, ds.variables), *map(str, anew.variables)} - PARAMETERS.keys()):
-        if name not in ds or name not in anew or ds[name].shape != anew[name].shape:
-            found[name] = 1.0
-            continue
-        a, b = ds[name].values, anew[name].values
-        if a.dtype.kind not in "fiu":
-            found |= {} if np.array_equal(a, b) else {name: 1.0}
-        elif a.tobytes() != b.tobytes():
-            scale = float(np.nanmax(np.abs(a), initial=0.0)) or 1.0
-            found[name] = float(np.nanmax(np.abs(a - b), initial=0.0)) / scale
+    for name in sorted({*map(str, ds.variables), *map(str, anew.variables)} - NAMES):
+        difference = _difference(ds.get(name), anew.get(name))
+        if difference is not None:
+            found[name] = difference
+    if ds["status"].attrs.get("reason", "") != anew["status"].attrs.get("reason", ""):
+        found["status"] = math.inf
     return found
+
+
+def _difference(one: xr.DataArray | None, other: xr.DataArray | None) -> float | None:
+    """Largest difference over the largest value; None where both are equal bit for bit."""
+    if one is None or other is None or one.shape != other.shape:
+        return math.inf
+    a, b = one.values, other.values
+    if a.dtype.kind not in "fiu":
+        return None if np.array_equal(a, b) else math.inf
+    if a.dtype == b.dtype and a.tobytes() == b.tobytes():
+        return None
+    finite = np.isfinite(a)
+    if (
+        not np.array_equal(a[~finite], b[~finite], equal_nan=True)
+        or not np.isfinite(b[finite]).all()
+    ):
+        return math.inf
+    scale = float(np.max(np.abs(a[finite]), initial=0.0)) or 1.0
+    return float(np.max(np.abs(a[finite] - b[finite]), initial=0.0)) / scale
