@@ -115,7 +115,7 @@ def _cluster(
         LocalCluster(
             n_workers=count,
             threads_per_worker=1,
-            dashboard_address=None,
+            dashboard_address=":0",
             silence_logs=logging.CRITICAL,  # workers that are told to end, and take their time
         ) as cluster,
         Client(cluster) as made,

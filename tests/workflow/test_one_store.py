@@ -1,4 +1,4 @@
-"""A sweep begun in Python, stopped, continued by snakemake, extended, renamed: every point is computed once."""
+"""A sweep begun in Python, stopped, continued by snakemake, extended, renamed: one run for each point."""
 
 import importlib.util
 from pathlib import Path
