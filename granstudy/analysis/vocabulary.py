@@ -4,13 +4,13 @@ The schema of study files, one floor below, takes any text for them. ``python -m
 granstudy.analysis.vocabulary`` writes the JSON schema with the words.
 """
 
-import json
 from pathlib import Path
 from typing import Any
 
 from granstudy.analysis.figures.figure import FIGURES
 from granstudy.analysis.tables.fits import FITS
 from granstudy.study.schema.file import StudyFile
+from granstudy.support.files import write_json
 
 WORDS = {("FigureModel", "kind"): list(FIGURES), ("FitModel", "law"): list(FITS)}
 """Known words by section and field."""
@@ -31,7 +31,7 @@ def study_schema() -> dict[str, Any]:
 
 def write_schema(path: str | Path = SCHEMA) -> None:
     """Write the JSON schema of study files, for editors that complete and check YAML."""
-    Path(path).write_text(json.dumps(study_schema(), indent=1, ensure_ascii=False) + "\n")
+    write_json(Path(path), study_schema())
 
 
 if __name__ == "__main__":

@@ -21,6 +21,7 @@ from granstudy.study.schema.experiment import (
 from granstudy.study.schema.file import StudyFile, read_study_file, study_model
 from granstudy.study.schema.names import check_run_path
 from granstudy.study.schema.sweeps import values_of
+from granstudy.study.schema.values import cut
 from granstudy.study.schema.words import SWEPT
 from granstudy.support.errors import unknown_name
 
@@ -109,8 +110,9 @@ def read_study(said: Said, name: str | None = None) -> Study:
     for experiment, section in model.experiments.items():
         try:
             runs[experiment] = _by_path(_expand(experiment, section, folder))
-        except ValueError as error:
-            raise ValueError(f"{_source(said)}: experiments.{experiment}: {error}") from None
+        except (ValueError, OSError) as error:
+            where = f"{_source(said)}: experiments.{experiment}"
+            raise ValueError(f"{where}: {cut(str(error))}") from None
     return Study(own, model, runs)
 
 
@@ -124,8 +126,8 @@ def _check_runs(name: str, experiment: Experiment, runs: dict[str, Run]) -> None
         try:
             check_run(run)
             check_run_path(run.path)
-        except ValueError as error:
-            raise ValueError(f"experiments.{name}, run {run.path}: {error}") from None
+        except (ValueError, OSError) as error:
+            raise ValueError(f"experiments.{name}, run {run.path}: {cut(str(error))}") from None
     if isinstance(experiment, BenchmarkExperiment):
         _check_baseline(name, experiment.timing, list(runs.values()))
 

@@ -83,4 +83,5 @@ def test_a_random_study_is_planned_or_refused(part, tmp_path):
             error.add_note(f"seed {seed}:\n{text}")
             raise
         refused += bool(said)
-    assert 0 < refused < len(range(FIRST + part, FIRST + CASES, PARTS))
+    tried = len(range(FIRST + part, FIRST + CASES, PARTS))
+    assert 0 < refused and (refused < tried or tried < 20)

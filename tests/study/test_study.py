@@ -134,6 +134,14 @@ def test_mistakes_name_file_field_value_and_what_is_allowed(load, old, new, mess
     assert "test.yaml" in str(error.value)
 
 
-def test_no_such_file():
+@pytest.mark.parametrize("path", ["nowhere.yaml", ".", "a\0b"])
+def test_no_such_file(path):
     with pytest.raises(ValueError, match="no such file"):
-        load_study("nowhere.yaml")
+        load_study(path)
+
+
+def test_names_of_files_that_are_too_long_are_told_as_others_are(load):
+    with pytest.raises(ValueError, match="study 'xxx.*File name too long"):
+        load_study("x" * 300)
+    with pytest.raises(ValueError, match="experiments.cooling.*File name too long"):
+        load("N_rho: 8}", f"N_rho: 8, sphere_rule: {'x' * 300}}}")

@@ -11,7 +11,7 @@ from granstudy.evolution.forecast import Forecast, plan
 from granstudy.runs.estimates import expected_evaluations, planned_scene
 from granstudy.study.run import Run
 from granstudy.study.study import Study
-from granstudy.support.files import write_whole
+from granstudy.support.files import write_text
 
 HEADINGS = {
     "method": "method",
@@ -58,8 +58,8 @@ def forecast(run: Run) -> Forecast:
 def write_plan(study: Study, md: str | Path, csv: str | Path) -> None:
     """Write a study's forecasts as Markdown and as CSV, each whole or not at all."""
     rows = study_forecasts(study)
-    write_whole(Path(md), lambda partial: partial.write_text(markdown(study.model.title, rows)))
-    write_whole(Path(csv), lambda partial: partial.write_text(as_csv(rows)))
+    write_text(Path(md), markdown(study.model.title, rows))
+    write_text(Path(csv), as_csv(rows))
 
 
 def markdown(title: str, rows: Sequence[Row]) -> str:

@@ -26,7 +26,7 @@ from granstudy.datasets.netcdf import write_dataset
 from granstudy.datasets.run_dataset import CONVENTIONS
 from granstudy.study.run import Run
 from granstudy.study.schema.experiment import Experiment
-from granstudy.support.files import write_whole
+from granstudy.support.files import write_text
 from granstudy.trust.flags import FLAGS, flag_word
 
 
@@ -154,8 +154,8 @@ def write_table(
 ) -> None:
     """Write a table as NetCDF, CSV and Markdown, each whole or not at all."""
     write_dataset(table, nc, sidecar=False)
-    write_whole(Path(csv), lambda partial: partial.write_text(csv_table(table)))
-    write_whole(Path(md), lambda partial: partial.write_text(markdown(table)))
+    write_text(Path(csv), csv_table(table))
+    write_text(Path(md), markdown(table))
 
 
 def csv_table(table: xr.Dataset) -> str:

@@ -60,7 +60,9 @@ class TimingModel(Section):
     ] = None
     single_thread: Annotated[bool, Field(description="time with one thread, too")] = True
     memory: Annotated[bool, Field(description="measure the peak memory, too")] = True
-    rounds: Annotated[int, Field(ge=1, description="turns that every run gets at least")] = 3
+    rounds: Annotated[
+        int, Field(ge=1, le=10_000, description="turns that every run gets at least")
+    ] = 3
     radial_nodes: Annotated[
         int,
         Field(description="N of the radial run that errors of radial runs are measured against"),

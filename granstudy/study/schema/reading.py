@@ -7,6 +7,8 @@ from typing import Any, NoReturn
 
 import yaml
 
+from granstudy.study.schema.values import shown
+
 LARGEST_FILE = 1_000_000
 """Bytes of a study file at most; ranges say many values in few."""
 
@@ -36,16 +38,20 @@ def read_yaml(path: str | Path) -> Any:
         base 8 or 60; for more than `LARGEST_FILE`, `DEEPEST` or `MOST_NODES`.
     """
     path = Path(path)
-    if not path.is_file():
-        raise ValueError(f"study {str(path)!r}: no such file")
-    size = path.stat().st_size
-    if size > LARGEST_FILE:
+    try:
+        if not path.is_file():
+            raise ValueError(f"study {shown(str(path))}: no such file")
+        with path.open("rb") as file:
+            content = file.read(LARGEST_FILE + 1)
+    except OSError as error:
+        raise ValueError(f"study {shown(str(path))}: {error.strerror}") from None
+    if len(content) > LARGEST_FILE:
         raise ValueError(
-            f"{path}: has {size} bytes; a study file has {LARGEST_FILE} at most (a range, {{start, stop, "
-            "count}}, says many values in few)"
+            f"{path}: a study file has {LARGEST_FILE} bytes at most (a range, {{start, stop, count}}, says "
+            "many values in few)"
         )
     try:
-        text = path.read_bytes().decode("utf-8-sig")
+        text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ValueError(f"{path}: is not UTF-8 (byte {error.start}); save it as UTF-8") from None
     try:

@@ -70,6 +70,15 @@ def shown(value: Any) -> str:
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 20]} ... {text[-15:]}"
 
 
+LONGEST_LINE = 600
+"""Characters of a message."""
+
+
+def cut(text: str) -> str:
+    """A message without its middle where it is long."""
+    return text if len(text) <= LONGEST_LINE else f"{text[:400]} ... {text[-150:]}"
+
+
 def hint(kind: Any, value: Any) -> str:
     """What to write in place of a value that YAML does not read as it looks; "" for others."""
     if isinstance(value, list) and len(value) == 1 and not fits(kind, value):

@@ -44,7 +44,7 @@ def nine_fold(levels):
         (nine_fold(9), f"more than {MOST_NODES} keys and values, aliases written out"),
         ("a: &a [*a]", "an alias stands inside of what it stands for"),
         ("[" + "1," * (MOST_NODES + 1) + "]", f"more than {MOST_NODES} keys and values"),
-        ("#" * (LARGEST_FILE + 1), "a study file has 1000000 at most"),
+        ("#" * (LARGEST_FILE + 1), "a study file has 1000000 bytes at most"),
         ("N: " + "9" * 400, r"value 999999999999... .400 digits.: must be a whole number below 2"),
         ("N: -9223372036854775809", "must be a whole number below 2"),
         ("R: .inf", "value .inf: must be a finite number"),
