@@ -10,6 +10,7 @@ import signal
 import sys
 import threading
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from types import FrameType, TracebackType
 from typing import NoReturn
@@ -51,14 +52,30 @@ def install() -> None:
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    """End all jobs; raise KeyboardInterrupt the first time, kill what is left the next."""
+    """End all jobs, and Snakemake; what is left the second time, at any price.
+
+    The scheduler of local jobs ends as by SIGTERM: when no job runs any more. KeyboardInterrupt would leave
+    Snakemake's threads in the midst of their work; it is raised before there is such a scheduler, and where
+    jobs run elsewhere, which Snakemake then cancels.
+    """
     if _stopped.is_set():
         for process in _jobs():
             _send(process, signal.SIGKILL)
-        return
+        raise KeyboardInterrupt
     _stopped.set()
-    threading.Thread(target=_end_jobs, name="end of jobs").start()
-    raise KeyboardInterrupt
+    finish = _scheduler()
+    threading.Thread(target=_end_jobs, args=(finish,), name="end of jobs").start()
+    if finish is None:
+        raise KeyboardInterrupt
+
+
+def _scheduler() -> Callable[..., object] | None:
+    """The scheduler's answer to SIGTERM, which starts no more jobs; None unless it runs jobs here only."""
+    answer = signal.getsignal(signal.SIGTERM)
+    scheduler = getattr(answer, "__self__", None)
+    if callable(answer) and getattr(getattr(scheduler, "workflow", None), "local_exec", False):
+        return answer
+    return None
 
 
 def _terminate(number: int, frame: FrameType | None) -> NoReturn:
@@ -76,8 +93,10 @@ def _excepthook(
         print(f"stopped: {GOES_ON}", file=sys.stderr)
 
 
-def _end_jobs() -> None:
-    """Until this process ends, end its jobs, also those that it starts meanwhile."""
+def _end_jobs(finish: Callable[..., object] | None) -> None:
+    """Let the scheduler finish; until this process ends, end its jobs, also those that start meanwhile."""
+    if finish is not None:
+        finish()  # in a thread of its own: it waits for a lock that the main thread may hold
     told: dict[psutil.Process, float] = {}
     while True:
         for process in _jobs():

@@ -180,10 +180,12 @@ class Session:
     def _message(self, record: logging.LogRecord) -> list[str]:
         """Any other message, unless it is known to say nothing."""
         message = record.getMessage().strip()
+        if interrupt.stopped():
+            return []  # what Snakemake says while it ends; the last line says the rest
         if message.startswith(NOTHING):
             self._nothing = True
         if record.levelno >= logging.ERROR:
-            if interrupt.stopped() or any(known in message for known in TOLD_OTHERWISE):
+            if any(known in message for known in TOLD_OTHERWISE):
                 return []
             if killed := re.search(r"died with <Signals\.(\w+)", message):
                 return [f"a job was ended by {killed[1]}{MEMORY.get(killed[1], '')}"]

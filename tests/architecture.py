@@ -14,6 +14,8 @@ from pathlib import Path
 HOUSE = Path(__file__).parents[1] / "granstudy"
 
 FLOORS = (
+    ("commands",),
+    ("workbench",),
     ("analysis",),
     ("study",),
     ("runs",),

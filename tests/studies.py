@@ -3,7 +3,8 @@
 import shutil
 from pathlib import Path
 
-from granstudy.model.solver import Choice, SizedSolver, Solver
+from granstudy.model.choice import Choice
+from granstudy.model.solver import SizedSolver, Solver
 from granstudy.runs.execute import obtain
 from granstudy.runs.run_key import run_fingerprint, run_key
 from granstudy.runs.store import Store, link

@@ -2,9 +2,13 @@
 
 import importlib
 import re
+import subprocess
+import sys
+import textwrap
 from pathlib import Path
 
 import pytest
+import yaml
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -70,3 +74,24 @@ def exists(name):
 
 def test_readme_is_short():
     assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= 120
+
+
+def test_readmes_study_is_the_one_that_granstudy_new_writes():
+    (study,) = re.findall(
+        r"^```yaml\n(.*?)^```", (ROOT / "README.md").read_text("utf-8"), re.M | re.S
+    )
+    template = ROOT / "granstudy" / "commands" / "templates" / "cooling.yaml"
+    assert yaml.safe_load(study) == yaml.safe_load(template.read_text("utf-8"))
+
+
+@pytest.mark.parametrize("page", ["own_gas.md", "sweeps.md"])
+def test_code_of_a_page_runs(page, tmp_path):
+    text = (ROOT / "docs" / page).read_text("utf-8")
+    code = "\n".join(re.findall(r"^```python\n(.*?)^```", text, re.M | re.S))
+    script = tmp_path / "page.py"
+    body = textwrap.indent(f"import matplotlib\nmatplotlib.use('Agg')\n{code}", "    ")
+    script.write_text(f"if __name__ == '__main__':\n{body}", encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, script.name], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr[-3000:]

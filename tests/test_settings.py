@@ -11,7 +11,7 @@ ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 LOCK = (ROOT / "requirements.lock").read_text()
 
-BESIDE_THE_WORKFLOW = {"snakemake"}
+BESIDE_THE_WORKFLOW = {"snakemake", "snakemake-interface-logger-plugins", "psutil"}
 """What starts a workflow's jobs is no library of theirs."""
 
 

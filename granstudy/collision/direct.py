@@ -11,8 +11,8 @@ O(N^{2d}), as the gain weight depends on few scalars (docs/method.md §2):
 """
 
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
-import numba
 import numpy as np
 from scipy.special import eval_legendre, jv, spherical_jn
 
@@ -31,6 +31,7 @@ from granstudy.collision.weights import (
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver
 from granstudy.quadrature import Rule
+from granstudy.support.compiled import compiled
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.sphere import paper_sphere_mean, sphere_area, sphere_mean
 
@@ -48,7 +49,7 @@ class DirectOperator:
 
     def __init__(self, scene: Scene, solver: SizedSolver) -> None:
         self.grid = grid = solver.grid(scene.dim)
-        self.scene = scene
+        self._recipe = scene, solver
         self.circular = solver.circular
         self.radial = (
             converged_radial(scene, grid) if solver.N_rho is None else radial_nodes(scene, solver)
@@ -90,6 +91,10 @@ class DirectOperator:
     def transform(self) -> None:
         """Make the two transforms of one call and nothing else, for benchmarks."""
         np.fft.ifftn(np.fft.fftn(np.zeros(self.grid.shape)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled is what the operator is made from: the scene and the solver."""
+        return type(self), self._recipe
 
 
 class GainTable:
@@ -201,7 +206,7 @@ class GainSeries:
         _sum_series(modes, group, f_hat, loss, circular, self.dim, series, self.place, Q_hat)
 
 
-@numba.njit(nogil=True, cache=True)
+@compiled()
 def _sum_table(modes, group, f_hat, loss, circular, alpha, scale, table, Q_hat):
     """Σ_m [table(|m−αk|) − loss_m] f̂_{k−m} f̂_m for each k of the group."""
     nx, ny, nz = f_hat.shape
@@ -228,7 +233,7 @@ def _sum_table(modes, group, f_hat, loss, circular, alpha, scale, table, Q_hat):
         Q_hat[p] = total
 
 
-@numba.njit(nogil=True, cache=True)
+@compiled()
 def _sum_series(modes, group, f_hat, loss, circular, dim, series, place, Q_hat):
     """Σ_m [Σ_l series[|m|², l] P_l(k̂·m̂) − loss_m] f̂_{k−m} f̂_m for each k of the group.
 
@@ -257,7 +262,7 @@ def _sum_series(modes, group, f_hat, loss, circular, dim, series, place, Q_hat):
         Q_hat[p] = total
 
 
-@numba.njit(nogil=True, cache=True)
+@compiled(forceinline=True)
 def _partners(mode, shape, circular):
     """FFT indices of k − m for all m, one array per axis; −1 where k − m lies outside the spectrum."""
     return (
@@ -267,7 +272,7 @@ def _partners(mode, shape, circular):
     )
 
 
-@numba.njit(nogil=True, cache=True)
+@compiled(forceinline=True)
 def _axis_partners(k, N, circular):
     """FFT index of k − m for the N wavenumbers m of one axis; −1 where k − m lies outside the spectrum."""
     out = np.empty(N, np.int64)
@@ -278,13 +283,13 @@ def _axis_partners(k, N, circular):
     return out
 
 
-@numba.njit(nogil=True, cache=True)
+@compiled(forceinline=True)
 def _wavenumber(i, N):
     """Wavenumber at FFT index i of N."""
     return i if i < (N + 1) // 2 else i - N
 
 
-@numba.njit(nogil=True, cache=True)
+@compiled(forceinline=True)
 def _sum_polynomials(dim, coefficients, mu):
     """Σ_l coefficients[l] P_l(mu) by the three-term recurrence; in 2D T_l(mu) = cos lθ for P_l."""
     before, now = 1.0, mu

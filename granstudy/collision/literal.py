@@ -5,15 +5,18 @@ are planned on reused buffers, phases are products of stored one-dimensional vec
 arrays, threads share the nodes. Symmetry, pairs ±g and fused loops are left to the method `fast`.
 """
 
+from typing import Any
+
 import numpy as np
 import pyfftw
 
-from granstudy.collision.fourier.threads import SHARES, Workers
+from granstudy.collision.fourier.threads import SHARES, OneAtATime, Workers, planning
 from granstudy.collision.protocol import check_state
 from granstudy.collision.rules import directions, radial_nodes
 from granstudy.collision.weights import alpha, loss_weight, mean_gain, radial_measure
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver
+from granstudy.quadrature import Rule
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.sphere import paper_sphere_mean
 
@@ -25,11 +28,19 @@ class LiteralOperator:
     """Q̂_k = Σ_{ρ,ĝ} w_ρ w_ĝ ρ^{d−1} F(k,ρ,ĝ) FFT[f · IFFT(e^{−iπρ m·ĝ/L} f̂_m)]_k (paper eqs. 43, 46).
 
     A run advances f̂ itself, as the paper's does, and never projects f on real densities.
+
+    Parameters
+    ----------
+    sphere : Rule, optional
+        Directions, by default the solver's.
     """
 
-    def __init__(self, scene: Scene, solver: SizedSolver) -> None:
+    def __init__(self, scene: Scene, solver: SizedSolver, sphere: Rule | None = None) -> None:
         self.grid = grid = solver.grid(scene.dim)
-        radial, sphere = radial_nodes(scene, solver), directions(scene, solver)
+        radial = radial_nodes(scene, solver)
+        sphere = directions(scene, solver) if sphere is None else sphere
+        self._recipe = scene, solver, sphere
+        self._one_at_a_time = OneAtATime()
         measure = radial_measure(scene.kernel, grid.dim, radial.points, radial.weights)
         g = (radial.points[:, None, None] * sphere.points).reshape(-1, grid.dim)
         self.weights = np.outer(measure, sphere.weights).ravel()
@@ -84,9 +95,10 @@ class LiteralOperator:
         """Q̂ from f̂: the rate of change of the spectrum that a run advances."""
         check_state(f_hat, self.grid)
         f = np.fft.ifftn(f_hat) * f_hat.size
-        parts = self.workers.map(
-            lambda share, work: self._sum_nodes(f, f_hat, share, work), self.shares
-        )
+        with self._one_at_a_time:
+            parts = self.workers.map(
+                lambda share, work: self._sum_nodes(f, f_hat, share, work), self.shares
+            )
         Q_hat = np.sum(parts, axis=0) / f.size
         if self.loss is not None:
             Q_hat -= np.fft.fftn(f * np.fft.ifftn(self.loss * f_hat))
@@ -102,7 +114,12 @@ class LiteralOperator:
             work.density[...] = 0.0
             work.spectrum[...] = 0.0
 
-        self.workers.map(transform_share, self.shares)
+        with self._one_at_a_time:
+            self.workers.map(transform_share, self.shares)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled is what the operator is made from: the scene, the solver, the directions."""
+        return type(self), self._recipe
 
     def _sum_nodes(
         self, f: np.ndarray, f_hat: np.ndarray, share: list[slice], work: "_BatchBuffers"
@@ -156,7 +173,8 @@ class _BatchBuffers:
         self.spectrum = pyfftw.zeros_aligned((batch, *shape), dtype="complex128")
         # FFTW_ESTIMATE: the other planners give different bits from process to process.
         plan = {"axes": tuple(range(1, len(shape) + 1)), "flags": ("FFTW_ESTIMATE",)}
-        self.forward = pyfftw.FFTW(self.density, self.spectrum, **plan).execute
-        self.backward = pyfftw.FFTW(
-            self.spectrum, self.density, direction="FFTW_BACKWARD", **plan
-        ).execute
+        with planning:
+            self.forward = pyfftw.FFTW(self.density, self.spectrum, **plan).execute
+            self.backward = pyfftw.FFTW(
+                self.spectrum, self.density, direction="FFTW_BACKWARD", **plan
+            ).execute

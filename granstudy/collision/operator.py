@@ -7,12 +7,13 @@ from dataclasses import replace
 
 from granstudy.collision.choice.cheapest import choose_method, radial_nodes
 from granstudy.collision.choice.grid import fit_solver
-from granstudy.collision.choice.methods import maker
+from granstudy.collision.choice.methods import check_fits, maker
 from granstudy.collision.fast.gpu.operator import check as check_gpu
 from granstudy.collision.protocol import CollisionOperator
+from granstudy.model.choice import Choice
 from granstudy.model.restitution import check_restitution
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Choice, Solver
+from granstudy.model.solver import Solver
 
 FORK = "no run follows or hashes this module (granstudy.support.fingerprint)"
 """Mark of a fork."""
@@ -78,8 +79,9 @@ def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:
     ------
     ValueError
         If the restitution leaves [0, 1] at impact speeds up to R; if there is no quadrature rule of the size
-        asked for; if the tolerance cannot be reached on the grid; if the GPU asked for is missing; or for the
-        method `dsmc`, which has no operator.
+        asked for; if memory cannot hold the operator, as estimated before it is made; if the tolerance cannot
+        be reached on the grid; if the GPU asked for is missing; or for the method `dsmc`, which has no
+        operator.
     """
     if solver.traits.by_particles:
         raise ValueError(
@@ -88,4 +90,5 @@ def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:
         )
     chosen = concrete(scene, solver).solver
     check_restitution(scene.restitution, largest_speed=chosen.R)
+    check_fits(scene, chosen)
     return maker(chosen)(scene, chosen)

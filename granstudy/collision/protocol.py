@@ -7,10 +7,21 @@ import numpy as np
 from granstudy.support.errors import NotFiniteError
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.space import VelocitySpace, check_shape
+from granstudy.velocity.symmetry import Symmetry
 
 
 class CollisionOperator(Protocol):
-    """Q(f,f) for one scene and one solver: planned once, called often.
+    """Q(f,f) for one scene and one solver: planned once, called often, from wherever.
+
+    =========================  ==================================================================
+    several threads at once    each gets the numbers that it would get alone; one call waits for
+                               the other, as a call uses ``Solver.threads`` threads already
+    a forked process           calls the operator as its parent does
+    a pickle                   holds scene, solver and chosen quadrature; another process makes
+                               the same operator of it, with the same numbers
+    =========================  ==================================================================
+
+    A scene with a function that cannot be pickled, such as a lambda, makes an operator that cannot be.
 
     Attributes
     ----------
@@ -41,6 +52,15 @@ class SpectrumOperator(CollisionOperator, Protocol):
 
     def spectrum(self, f_hat: np.ndarray) -> np.ndarray:
         """Q̂ from f̂, both in FFT order and normalised by N^d (docs/method.md §2)."""
+
+
+@runtime_checkable
+class SymmetricOperator(CollisionOperator, Protocol):
+    """An operator that takes densities of a symmetry alone: its sum has one node of each orbit."""
+
+    @property
+    def group(self) -> Symmetry:
+        """The symmetry."""
 
 
 def check_state(f: np.ndarray, grid: VelocitySpace) -> None:

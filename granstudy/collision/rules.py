@@ -6,6 +6,8 @@ from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver
 from granstudy.quadrature import Rule, circle_rule, half, radial_rule, sphere_rule
 from granstudy.quadrature.orbits import invariance, representatives
+from granstudy.quadrature.sphere import SPHERE_RULES
+from granstudy.support.files import file_digest
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.symmetry import Symmetry
 
@@ -18,10 +20,23 @@ def radial_nodes(scene: Scene, solver: SizedSolver) -> Rule:
 
 
 def directions(scene: Scene, solver: SizedSolver) -> Rule:
-    """The solver's unit vectors ĝ, with weights that sum to 2π (2D) or 4π (3D)."""
+    """The solver's unit vectors ĝ, with weights that sum to 2π (2D) or 4π (3D).
+
+    Raises
+    ------
+    ValueError
+        If there is no such rule; or if its file has changed since the solver was made, which describes it.
+    """
     if scene.dim == 2:
         return circle_rule(solver.M_cir)
-    return sphere_rule(solver.M_sph, solver.sphere_rule)
+    rule = sphere_rule(solver.M_sph, solver.sphere_rule)
+    named = solver.sphere_rule in SPHERE_RULES
+    if not named and file_digest(solver.sphere_rule) != solver.sphere_rule_sha256:
+        raise ValueError(
+            f"sphere_rule={solver.sphere_rule!r}: the file has changed since the solver was made; make the "
+            "solver anew"
+        )
+    return rule
 
 
 def reduce_directions(rule: Rule, group: Symmetry) -> tuple[Symmetry, Rule]:

@@ -71,7 +71,7 @@ class Gathered:
         """
         row, self.rows = self.rows, self.rows + 1
         attrs = {name: value for name, value in run.attrs.items() if name not in STAMPED}
-        self.attrs = attrs if self.attrs is None else _agreed(self.attrs, attrs)
+        self.attrs = attrs if self.attrs is None else agreed(self.attrs, attrs)
         self.labels |= run.labels
         for name, variable in run.variables.items():
             if not DENSITY_AXES.intersection(variable[0]):
@@ -123,7 +123,7 @@ class Gathered:
                 self._take(row, text, ((), np.array(described[key]), {}))
                 described = {k: v for k, v in described.items() if k != key}
         known = self.described.get(name)
-        self.described[name] = described if known is None else _agreed(known, described)
+        self.described[name] = described if known is None else agreed(known, described)
         if dims == (name,):
             self.axes.setdefault(name, Axis()).add(row, values)
         elif dims:
@@ -210,7 +210,7 @@ class Series:
         return found
 
 
-def _agreed(one: dict[str, Any], other: dict[str, Any]) -> dict[str, Any]:
+def agreed(one: dict[str, Any], other: dict[str, Any]) -> dict[str, Any]:
     """Attributes that are equal in both."""
     return {k: v for k, v in one.items() if k in other and _is_equal(v, other[k])}
 

@@ -29,7 +29,7 @@ def open_runs(where: Where, densities: bool = False, verify: bool = True) -> xr.
         Whether kept densities are opened too, as Dask arrays: a file is read when its density is used.
     verify : bool
         Whether what is read is compared with its checksum: the head of each file, which is all but densities,
-        and the whole file when a density is used. It takes about 5% of the time.
+        and the whole file when a density is used. It takes a tenth of the time.
 
     Returns
     -------

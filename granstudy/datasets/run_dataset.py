@@ -13,8 +13,9 @@ import numpy as np
 import xarray as xr
 
 from granstudy.datasets.parameters import parameter
+from granstudy.model.choice import Choice
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Choice, Solver
+from granstudy.model.solver import Solver
 from granstudy.support.variables import labelled
 from granstudy.trust.flags import Status, flag_variable
 from granstudy.velocity.moments import COMPONENTS

@@ -7,15 +7,8 @@ import numpy as np
 from granstudy.evolution.unknowns import Representation
 from granstudy.velocity.space import VelocitySpace
 
-Projection = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""(state, Q of the state) ↦ Q*, the corrected Q."""
 
-
-def projection(
-    form: Representation,
-    conserve: Sequence[str],
-    energy_rate: Callable[[np.ndarray], float] = lambda f: 0.0,
-) -> Projection:
+class Projection:
     """The least change of Q after which the chosen invariants are balanced exactly.
 
     Let φ_i be the chosen invariants, E'_i the exact values of ∫φ_i Q dv, and M the Maxwellian with the ρ, u
@@ -37,25 +30,41 @@ def projection(
     energy_rate : callable
         f ↦ E' of the energy: the rate by all pairs of f (`granstudy.trust.pair_rates`), 0 at e = 1. E' of
         mass and of momentum is 0.
+
+    Attributes
+    ----------
+    energy_removed : float
+        ∫|v|²/2 (Q − Q*) dv of the last Q; 0 where energy is not conserved.
     """
-    if not conserve:
-        return lambda state, Q: Q
-    grid = form.grid
-    invariants = grid.invariants()
-    phi = np.concatenate([invariants[name] for name in conserve])
-    rows = phi.reshape(len(phi), -1)
-    weighted = (phi * grid.measure).reshape(len(phi), -1)
 
-    def least_change(state: np.ndarray, Q: np.ndarray) -> np.ndarray:
+    def __init__(
+        self,
+        form: Representation,
+        conserve: Sequence[str],
+        energy_rate: Callable[[np.ndarray], float] = lambda f: 0.0,
+    ) -> None:
+        self._form, self._conserve, self._energy_rate = form, tuple(conserve), energy_rate
+        self.energy_removed = 0.0
+        if conserve:
+            grid = form.grid
+            invariants = grid.invariants()
+            phi = np.concatenate([invariants[name] for name in conserve])
+            self._rows = phi.reshape(len(phi), -1)
+            self._weighted = (phi * grid.measure).reshape(len(phi), -1)
+
+    def __call__(self, state: np.ndarray, Q: np.ndarray) -> np.ndarray:
+        """Q* of a state, from its Q."""
+        if not self._conserve:
+            return Q
+        form, grid = self._form, self._form.grid
         f = form.density(state)
-        excess = weighted @ form.density(Q).ravel()
-        if "energy" in conserve:
-            excess[-1] -= energy_rate(f)
-        changes = rows * _maxwellian(grid, f).ravel()
-        multipliers = np.linalg.solve(changes @ weighted.T, excess)
+        excess = self._weighted @ form.density(Q).ravel()
+        if "energy" in self._conserve:
+            excess[-1] -= self._energy_rate(f)
+            self.energy_removed = float(excess[-1])
+        changes = self._rows * _maxwellian(grid, f).ravel()
+        multipliers = np.linalg.solve(changes @ self._weighted.T, excess)
         return Q - form.state((multipliers @ changes).reshape(grid.shape))
-
-    return least_change
 
 
 def _maxwellian(grid: VelocitySpace, f: np.ndarray) -> np.ndarray:

@@ -3,7 +3,6 @@
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from granstudy.collision.fast.adaptive.retuning import Tuning
 from granstudy.collision.operator import collision_operator
 from granstudy.collision.protocol import CollisionOperator
 from granstudy.datasets.run_dataset import Header, Record
-from granstudy.evolution.conservation import projection
+from granstudy.evolution.conservation import Projection
 from granstudy.evolution.dataset import evolution_dataset
 from granstudy.evolution.frames.fixed import FixedFrame
 from granstudy.evolution.frames.rescaled import RescaledFrame, centred
@@ -23,8 +22,10 @@ from granstudy.evolution.stability import step_warning
 from granstudy.evolution.steps import AdaptiveSteps, FixedSteps, Point, StoppedError
 from granstudy.evolution.times import TimeSettings
 from granstudy.evolution.unknowns import collisions, representation
+from granstudy.model.choice import Choice
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Choice, SizedSolver
+from granstudy.model.solver import SizedSolver
+from granstudy.support.errors import RAN_AWAY
 from granstudy.support.progress import Progress, watched
 from granstudy.trust import health
 from granstudy.trust.error_estimate import Examination
@@ -51,7 +52,7 @@ def evolve(
     """
     header = Header.of("evolution", scene, choice, settings.coordinates())
     run = _prepare(scene, choice.solver, settings)
-    observer = _Observer(scene, settings, run)
+    observer = _Observer(settings, run)
     record = observer.record
     # The observer looks for overflow and NaN, in one place.
     with (
@@ -72,10 +73,12 @@ def evolve(
 
 @dataclass(frozen=True)
 class _Prepared:
-    """All that is made before the first step."""
+    """All that is made before the first step; the scene is seen from the frame's velocity."""
 
+    scene: Scene
     operator: CollisionOperator
     rates: RatesAt
+    project: Projection
     frame: Frame
     steps: FixedSteps | AdaptiveSteps
     start: np.ndarray
@@ -89,7 +92,7 @@ def _prepare(scene: Scene, solver: SizedSolver, settings: TimeSettings) -> _Prep
     operator = collision_operator(scene, solver)
     form = representation(operator, scene.symmetry)
     rates = RatesAt(scene, form.grid)
-    project = projection(form, settings.conserve, _energy_rate(rates, scene, settings))
+    project = Projection(form, settings.conserve, _energy_rate(rates, scene, settings))
     Q = collisions(operator)
     frame: Frame
     if settings.rescaled:
@@ -104,7 +107,8 @@ def _prepare(scene: Scene, solver: SizedSolver, settings: TimeSettings) -> _Prep
         steps = FixedSteps(frame, scheme, settings.dt, settings.steps)
     else:
         steps = AdaptiveSteps(frame, scheme, settings.outputs, settings.time_rtol)
-    return _Prepared(operator, rates, frame, steps, frame.start(scene.density(operator.grid)))
+    start = frame.start(scene.density(operator.grid))
+    return _Prepared(scene, operator, rates, project, frame, steps, start)
 
 
 def _energy_rate(
@@ -119,12 +123,12 @@ def _energy_rate(
 class _Observer:
     """Watches a run step by step (moments, quadrature, health), and fills its record."""
 
-    def __init__(self, scene: Scene, settings: TimeSettings, run: _Prepared) -> None:
+    def __init__(self, settings: TimeSettings, run: _Prepared) -> None:
         self._settings = settings
         self._run = run
         self._outputs = run.steps.outputs
         self._tuning = Tuning(run.operator)
-        self._examination = Examination(scene, run.operator.grid, run.steps.outputs, run.rates)
+        self._examination = Examination(run.scene, run.operator.grid, run.steps.outputs, run.rates)
         self._scale = 1.0
         self.record = Record(health=self._examination.outputs, plans=self._tuning.plans)
 
@@ -136,11 +140,23 @@ class _Observer:
         StoppedError
             If the run cannot go on from that state.
         """
-        f = self._run.frame.density(point.state)
+        try:
+            self._see(point)
+        except RAN_AWAY:
+            raise StoppedError(point.step, point.time, health.NOT_FINITE) from None
+
+    def _see(self, point: Point) -> None:
+        frame, state = self._run.frame, point.state
+        f = frame.density(state)
         values = moment_values(f, self._run.operator.grid)
         failed = health.failure(values)
         if failed:
+            if not self.record.moments:
+                self._record(point, f, frame.record(values, state))
             raise StoppedError(point.step, point.time, failed)
+        if point.error is not None:
+            error = frame.moment_change(state, point.error)
+            self._examination.step(frame.clock(state, point.time), error)
         plans = len(self._tuning.plans)
         texts = self._tuning.review(point.step, point.time, f)
         if len(self._tuning.plans) > plans:
@@ -150,32 +166,38 @@ class _Observer:
         self.record.warn(point.time, texts)
 
     def _output(self, point: Point, f: np.ndarray, values: dict[str, Any]) -> dict[str, str]:
-        """Record and examine an output; returns its warnings, by name."""
-        record, frame, state = self.record, self._run.frame, point.state
+        """Record and examine an output, or nothing of it; returns its warnings, by name."""
+        frame, state = self._run.frame, point.state
+        moments = frame.record(values, state)
+        signs, texts = self._check_step(state, float(moments["density"]))
+        texts |= self._examination.look(
+            f,
+            values,
+            lambda: (frame.moment_rates(state), self._run.project.energy_removed),
+            restitution=frame.restitution(state),
+            heating=frame.heating(state, values["temperature"]),
+        )
+        self.record.health[-1].update(signs)
+        self._record(point, f, moments)
+        return texts
+
+    def _record(self, point: Point, f: np.ndarray, moments: dict[str, Any]) -> None:
+        """Record an output: its moments, and where they are asked for, the density."""
+        record = self.record
         every, number = self._settings.save_every, len(record.moments)
         if every is not None and (number % every == 0 or number == self._outputs - 1):
             record.snapshots[point.time] = f.copy()
         record.times.append(point.time)
-        record.moments.append(frame.record(values, state))
-        texts = self._examination.look(
-            f,
-            values,
-            frame.clock(state, point.time),
-            partial(frame.collisions, state),
-            restitution=frame.restitution(state),
-            heating=frame.heating(state, values["temperature"]),
-            steps_of_order_3=self._settings.dt is not None,
-        )
-        return texts | self._check_step(state)
+        record.moments.append(moments)
 
-    def _check_step(self, state: np.ndarray) -> dict[str, str]:
-        """Record a fixed step over the largest stable one; returns a warning where that is above 1."""
+    def _check_step(
+        self, state: np.ndarray, density: float
+    ) -> tuple[dict[str, float], dict[str, str]]:
+        """A fixed step over the largest stable one, a sign of health; and a warning where it is above 1."""
         dt, scheme, frame = self._settings.dt, self._settings.scheme, self._run.frame
         if dt is None:
-            return {}
+            return {}, {}
         before, self._scale = self._scale, frame.scale(state)
-        density = float(self.record.moments[-1]["density"])
         dilation_rate = float(np.log(self._scale / before)) / dt
         limit = frame.stable_step(scheme, state, density, dilation_rate)
-        self.record.health[-1]["step_ratio"] = dt / limit
-        return step_warning(dt, scheme, limit)
+        return {"step_ratio": dt / limit}, step_warning(dt, scheme, limit)

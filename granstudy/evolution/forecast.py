@@ -1,11 +1,8 @@
 """Forecasts: method, nodes, evaluations, seconds, memory and error of a run before it starts."""
 
 import dataclasses
-import math
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
-
-import numpy as np
 
 from granstudy.collision.choice.cost import MethodCost, memory_mb, on_threads
 from granstudy.collision.choice.methods import OPERATORS
@@ -13,20 +10,20 @@ from granstudy.collision.fast.adaptive.plan import QuadraturePlan, TunedOperator
 from granstudy.collision.fast.adaptive.retuning import CHECK_EVERY
 from granstudy.collision.operator import choose, collision_operator
 from granstudy.evolution.schemes import SCHEMES
+from granstudy.evolution.stability import adaptive_steps
 from granstudy.evolution.times import TimeSettings
+from granstudy.model.choice import Choice
 from granstudy.model.methods import METHODS
 from granstudy.model.restitution import check_restitution
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Choice, SizedSolver, Solver
+from granstudy.model.solver import SizedSolver, Solver
 from granstudy.particles.cost import EFFICIENCY, particle_cost
 from granstudy.particles.restitution_table import alpha_table
-from granstudy.theory import haff_constant
+from granstudy.velocity.radial import RadialGrid
+from granstudy.velocity.space import VelocitySpace
 
 NOT_TIMED = "seconds are those of device 'cpu'"
 """Remark on a run on a GPU: all constants of costs were measured on a CPU."""
-
-STEPS_PER_COLLISION = 5.0
-"""Steps of an adaptive run in a unit of collision time: 2 near e = 1, 10 where velocities shrink fast."""
 
 SECONDS_PER_STEP = 2.5e-4
 """Seconds of a step's moments and checks, whatever the grid."""
@@ -123,6 +120,7 @@ def plan(
     dt: float | None = None,
     time_rtol: float | None = None,
     scheme: str | None = None,
+    frame: str = "fixed",
 ) -> Forecast:
     """Forecast a run of `granstudy.simulate`; without times, one evaluation of Q.
 
@@ -133,14 +131,15 @@ def plan(
     ----------
     scene : Scene
     solver : Solver
-    t_final, dt, time_rtol, scheme
+    t_final, dt, time_rtol, scheme, frame
         Times as of `granstudy.simulate`; ``t_final`` comes with ``dt`` or ``time_rtol``.
 
     Returns
     -------
     Forecast
-        With ``time_rtol``, the number of steps is an estimate within a factor 3. For `dsmc`, collisions are
-        counted along the law of cooling.
+        With ``time_rtol``, the number of steps is an estimate within a factor 3, for runs that stay bounded
+        (`granstudy.evolution.stability.adaptive_steps`). For `dsmc`, collisions are counted along the law of
+        cooling.
 
     Raises
     ------
@@ -151,7 +150,7 @@ def plan(
         raise ValueError(f"t_final={t_final!r}, dt={dt!r}: give both, or neither")
     settings = None
     if t_final is not None:
-        settings = TimeSettings(t_final, dt, time_rtol, scheme=scheme)
+        settings = TimeSettings(t_final, dt, time_rtol, scheme=scheme, frame=frame)
     if not solver.traits.by_particles:
         return _plan_operator(scene, choose(scene, solver), settings)
     if settings is None:
@@ -161,23 +160,28 @@ def plan(
     return _plan_particles(scene, solver.sized(), settings)
 
 
-def expected_evaluations(scene: Scene, settings: TimeSettings) -> int:
+def expected_evaluations(scene: Scene, solver: SizedSolver, settings: TimeSettings) -> int:
     """Evaluations of Q in a run: exact where dt is given, else within a factor 3."""
-    return SCHEMES[settings.scheme].evaluations * expected_steps(scene, settings)
+    return SCHEMES[settings.scheme].evaluations * expected_steps(scene, solver, settings)
 
 
-def expected_steps(scene: Scene, settings: TimeSettings) -> int:
+def expected_steps(scene: Scene, solver: SizedSolver, settings: TimeSettings) -> int:
     """Steps of a run: exact where dt is given, else within a factor 3."""
     if settings.time_rtol is None:
         return settings.steps
-    law = scene.restitution
-    e = float(law(np.ones(1))[0]) if callable(law) else float(law)
-    collisions = settings.t_final
-    if scene.kernel.exponent > 0.0 and scene.diffusion == 0.0 and e < 1.0:
-        # τ of a gas that cools by Haff's law from T = 1
-        C0 = haff_constant(scene.kernel, e, scene.dim)
-        collisions = np.log1p(C0 * settings.t_final) / C0
-    return len(settings.outputs) + math.ceil(STEPS_PER_COLLISION * collisions)
+    grid: VelocitySpace = (
+        RadialGrid(scene.dim, solver.N, solver.R)
+        if solver.traits.radial
+        else solver.grid(scene.dim)
+    )
+    return len(settings.outputs) + adaptive_steps(
+        scene,
+        grid,
+        settings.scheme,
+        settings.time_rtol,
+        settings.t_final,
+        rescaled=settings.rescaled,
+    )
 
 
 def step_seconds(scene: Scene, solver: SizedSolver) -> float:
@@ -190,7 +194,8 @@ def _plan_operator(scene: Scene, choice: Choice, settings: TimeSettings | None) 
     """Forecast of a run on a grid, or of one evaluation where there are no settings."""
     steps, evaluations = 0, 1
     if settings is not None:
-        steps, evaluations = expected_steps(scene, settings), expected_evaluations(scene, settings)
+        steps = expected_steps(scene, choice.solver, settings)
+        evaluations = expected_evaluations(scene, choice.solver, settings)
     solver, cost = choice.solver, OPERATORS[choice.solver.method].cost
     check_restitution(scene.restitution, largest_speed=solver.R)
     count = _count(scene, solver, cost)

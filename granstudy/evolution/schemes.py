@@ -46,7 +46,7 @@ class Step(NamedTuple):
 
     state: np.ndarray
     error: np.ndarray
-    """Difference from the scheme of the next lower order."""
+    """Difference from a scheme of lower order."""
     last: np.ndarray | None
     """First rate of the next step, where the scheme has it; None where it has not."""
 
@@ -64,7 +64,10 @@ class Scheme:
     evaluations : int
         Rates in a step, the first one included.
     error_order : int
-        Order q of the lower scheme; the estimated error is O(h^{q+1}).
+        Order q of the lower scheme, one below the scheme's own: the difference D is O(h^{q+1}), the error of
+        the step O(h^{q+2}).
+    difference, remainder : float
+        D/z^{q+1}, and the error over z^{q+2}, of a step of y' = (z/h) y, z small.
     real_limit, imaginary_limit : float
         Largest h|z| for which y' = z y stays bounded, for z < 0 and for imaginary z.
     exact_diffusion : bool
@@ -75,9 +78,19 @@ class Scheme:
     step: Callable[[Equation, np.ndarray, float, np.ndarray], Step]
     evaluations: int
     error_order: int
+    difference: float
+    remainder: float
     real_limit: float
     imaginary_limit: float
     exact_diffusion: bool
+
+    def error(self, size: float) -> float:
+        """Error of a step over D, where D has a relative size.
+
+        It is that of y' = (z/h) y, with the z whose D has this size.
+        """
+        z = (size / self.difference) ** (1.0 / (self.error_order + 1))
+        return float(z * self.remainder / self.difference)
 
 
 def rk3_step(rate: Rate, y: np.ndarray, h: float, first: np.ndarray) -> Step:
@@ -148,6 +161,8 @@ def explicit(
     *,
     evaluations: int,
     error_order: int,
+    difference: float,
+    remainder: float,
     real_limit: float,
     imaginary_limit: float,
 ) -> Scheme:
@@ -157,6 +172,8 @@ def explicit(
         step=lambda equation, y, h, first: step(equation.rate, y, h, first),
         evaluations=evaluations,
         error_order=error_order,
+        difference=difference,
+        remainder=remainder,
         real_limit=real_limit,
         imaginary_limit=imaginary_limit,
         exact_diffusion=False,
@@ -165,16 +182,30 @@ def explicit(
 
 SCHEMES = {
     "rk3": explicit(
-        rk3_step, evaluations=3, error_order=2, real_limit=2.5127, imaginary_limit=1.7320
+        rk3_step,
+        evaluations=3,
+        error_order=2,
+        difference=1 / 6,
+        remainder=1 / 24,
+        real_limit=2.5127,
+        imaginary_limit=1.7320,
     ),
     "dopri54": explicit(
-        dopri54_step, evaluations=7, error_order=4, real_limit=3.3065, imaginary_limit=0.9971
+        dopri54_step,
+        evaluations=7,
+        error_order=4,
+        difference=97 / 120000,
+        remainder=1 / 3600,
+        real_limit=3.3065,
+        imaginary_limit=0.9971,
     ),
     "exponential": Scheme(
         first=lambda equation, y: equation.rate(y, equation.diffusivity(y)),
         step=exponential_step,
         evaluations=3,
         error_order=2,
+        difference=1 / 6,
+        remainder=1 / 24,
         real_limit=2.5127,
         imaginary_limit=1.7320,
         exact_diffusion=True,

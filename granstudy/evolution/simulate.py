@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from granstudy.collision.operator import concrete
+from granstudy.datasets.parameters import parameter
 from granstudy.evolution.evolve import evolve
 from granstudy.evolution.times import TimeSettings, check_frame
 from granstudy.model.scene import Scene
@@ -107,7 +108,9 @@ def simulate(
     if not solver.traits.by_particles:
         return evolve(scene, concrete(scene, solver), settings, progress)
     ds = simulate_particles(scene, solver, settings.recorded, save_every, progress)
-    return ds if settings.dt is None else ds.assign_coords(dt=settings.dt)
+    if settings.dt is None:
+        return ds
+    return ds.assign_coords(dt=((), settings.dt, parameter("dt").attributes))
 
 
 def computed_by(solver: Solver) -> Callable[..., xr.Dataset]:

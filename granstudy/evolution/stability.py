@@ -1,8 +1,13 @@
-"""The largest stable steps of each scheme (docs/method.md §3)."""
+"""The largest stable steps of each scheme, and how many steps an adaptive run makes (docs/method.md §3)."""
+
+import numpy as np
+from scipy.special import gamma
 
 from granstudy.evolution.schemes import SCHEMES
 from granstudy.model.kernel import VHS
+from granstudy.model.scene import Scene
 from granstudy.support.errors import unknown_name
+from granstudy.theory import a2_relaxation_rate, gaussian_cooling_coefficient
 from granstudy.velocity.space import VelocitySpace
 from granstudy.velocity.sphere import sphere_area
 
@@ -79,3 +84,66 @@ def step_warning(dt: float, scheme: str, limit: float) -> dict[str, str]:
         "step": f"dt={dt:g} is above {limit:.3g}, up to which scheme {scheme!r} is stable: "
         f"take a smaller dt, or {remedy}"
     }
+
+
+MOMENTS_OF_TIME = 400
+"""Times along the law of T at which an adaptive run's steps are estimated."""
+
+
+def adaptive_steps(
+    scene: Scene, grid: VelocitySpace, scheme: str, rtol: float, t_final: float, *, rescaled: bool
+) -> int:
+    """Steps of an adaptive run without those for its outputs, an estimate.
+
+    T follows dT/dt = −ρK T^{1+λ/2} + 2ε. A step is the smaller of the largest that is stable
+    (`stability_limit`), and of the one that keeps the tolerance: z = (rtol/D)^{1/(q+1)} over the rate of
+    change, D z^{q+1} the difference of the scheme and one of order q. The rate is that of T, in a rescaled
+    frame of √T, and as long as the shape relaxes, the collision frequency.
+
+    Within a factor 3 in 38 of 40 runs (radial, 2D and 3D, all schemes, tolerances 1e-3 to 1e-7, t to 100);
+    the other two diverged.
+    """
+    made, dim, exponent = SCHEMES[scheme], scene.dim, scene.kernel.exponent
+    law = scene.restitution
+    e = float(law(np.ones(1))[0]) if callable(law) else float(law)
+    stated = scene.moments
+    rho, T0 = (stated.density, stated.temperature) if stated is not None else (1.0, 1.0)
+    K = rho * gaussian_cooling_coefficient(scene.kernel, e, dim)
+    t = np.concatenate([[0.0], np.geomspace(1e-4 * t_final, t_final, MOMENTS_OF_TIME)])
+    temperatures = [T0]
+    for h in np.diff(t):
+        following = temperatures[-1]
+        for _ in range(4):
+            following += h / 2 * scene.diffusion
+            following /= 1.0 + h / 4 * K * following ** (exponent / 2)
+        temperatures.append(following)
+    T = np.array(temperatures)
+    mean_speed = (4.0 * T) ** (exponent / 2) * gamma((dim + exponent) / 2) / gamma(dim / 2)
+    frequency = largest_frequency(scene.kernel, dim, 1.0, rho) * mean_speed
+    change = np.abs(2.0 * scene.diffusion / T - K * T ** (exponent / 2))
+    relaxed = a2_relaxation_rate(e, dim, exponent) * _integral(frequency, t)
+    scale = np.sqrt(T / T0) if rescaled else np.ones_like(T)
+    highest = largest_frequency(scene.kernel, dim, grid.R, rho)
+    stable = [
+        1.0
+        / stability_limit(
+            scheme,
+            grid,
+            diffusion=scene.diffusion / theta**2,
+            collision_frequency=highest * theta**exponent,
+            dilation_rate=rate / 2 if rescaled else 0.0,
+        )
+        for theta, rate in zip(scale, change, strict=True)
+    ]
+    order = made.error_order + 1
+    shape = frequency * np.exp(-relaxed / order)
+    accurate = (shape + (change / 2 if rescaled else change)) * (made.difference / rtol) ** (
+        1.0 / order
+    )
+    return int(np.ceil(_integral(np.maximum(stable, accurate), t)[-1]))
+
+
+def _integral(rate: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Integral of a rate from the first time to each, by trapezoids."""
+    parts = np.diff(t) * (rate[1:] + rate[:-1]) / 2
+    return np.concatenate([[0.0], np.cumsum(parts)])

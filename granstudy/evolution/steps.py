@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from granstudy.evolution.schemes import Equation, Scheme, Step
-from granstudy.support.errors import NotFiniteError
+from granstudy.support.errors import RAN_AWAY
 from granstudy.trust import health
 
 SAFETY = 0.9
@@ -56,12 +56,15 @@ class Point(NamedTuple):
     state : ndarray
     is_output : bool
         Whether the state is an output.
+    error : ndarray or None
+        Estimated error of the step, a change of the state; None at the start.
     """
 
     step: int
     time: float
     state: np.ndarray
     is_output: bool
+    error: np.ndarray | None = None
 
 
 class StoppedError(Exception):
@@ -97,10 +100,12 @@ class FixedSteps:
         for step in range(1, self._steps + 1):
             try:
                 first = self._scheme.first(self._equation, state)
-                state = self._scheme.step(self._equation, state, self._dt, first).state
-            except NotFiniteError:
+                made = self._scheme.step(self._equation, state, self._dt, first)
+                size = self._equation.relative_size(made.error, state)
+                error, state = self._scheme.error(size) * made.error, made.state
+            except RAN_AWAY:
                 raise StoppedError(step, step * self._dt, health.NOT_FINITE) from None
-            yield Point(step, step * self._dt, state, True)
+            yield Point(step, step * self._dt, state, True, error)
 
     def equation_changed(self) -> None:
         """Note that rates have changed; no rate is kept here."""
@@ -157,10 +162,11 @@ class AdaptiveSteps:
                 hit = tried == rest
                 t = float(target) if hit else t + tried
                 # Steps are as large as their error allows: an unstable part would grow to the tolerance.
+                size = error * self._rtol
                 state = self._equation.symmetrise(made.state)
                 self.accepted += 1
                 self._first = made.last
-                yield Point(self.accepted, t, state, hit)
+                yield Point(self.accepted, t, state, hit, self._scheme.error(size) * made.error)
 
     def equation_changed(self) -> None:
         """Note that rates have changed: the first rate of the next step is computed anew."""
@@ -182,9 +188,9 @@ class AdaptiveSteps:
                 self.evaluations += 1
             self.evaluations += self._scheme.evaluations - 1
             made = self._scheme.step(self._equation, state, h, self._first)
-        except NotFiniteError:
+            error = self._equation.relative_size(made.error, state) / self._rtol
+        except RAN_AWAY:
             return None, np.inf
-        error = self._equation.relative_size(made.error, state) / self._rtol
         return made, error if np.isfinite(error) else np.inf
 
     def _next_step(self, h: float, error: float) -> float:

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 import scipy.fft
 
-from granstudy.collision.protocol import CollisionOperator, SpectrumOperator
+from granstudy.collision.protocol import CollisionOperator, SpectrumOperator, SymmetricOperator
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.space import Term, VelocitySpace
 from granstudy.velocity.symmetry import Symmetry
@@ -129,8 +129,17 @@ def representation(operator: CollisionOperator, symmetry: Symmetry) -> Represent
 
 
 def collisions(operator: CollisionOperator) -> Callable[[np.ndarray], np.ndarray]:
-    """Q as a function of the states that runs with an operator advance."""
-    return operator.spectrum if isinstance(operator, SpectrumOperator) else operator
+    """Q as a function of the states that runs with an operator advance.
+
+    Within a large step round-off can grow. An operator that takes densities of a symmetry alone gets the mean
+    of the state over its group.
+    """
+    if isinstance(operator, SpectrumOperator):
+        return operator.spectrum
+    if isinstance(operator, SymmetricOperator):
+        symmetric = operator
+        return lambda f: symmetric(symmetric.group.symmetrise(f))
+    return operator
 
 
 def relative_change(form: Representation, change: np.ndarray, state: np.ndarray) -> float:

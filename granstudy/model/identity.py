@@ -84,10 +84,15 @@ def code(function: Any, dim: int | None = None) -> Code:
     return found.code if isinstance(found, OwnFunction) else code_of(found)
 
 
-def described(function: Any, dim: int | None = None) -> Any:
+def described(function: Any, dim: int | None, content: Code | None) -> Any:
     """A density or law as plain data: of granstudy's its ``repr``; else name, arguments and digest.
 
     A function that cannot be known by its content has ``unidentified``, the reason, in place of the digest.
+
+    Parameters
+    ----------
+    content : Code or None
+        The content, where it is known already.
     """
     if is_granstudys(function):
         return repr(function)
@@ -96,16 +101,16 @@ def described(function: Any, dim: int | None = None) -> Any:
     values = {name: canonical(value) for name, value in own.items()}
     description = {"function": label(function), "arguments": values}
     try:
-        return description | {"digest": code(function, dim).digest}
+        return description | {"digest": (content or code(function, dim)).digest}
     except ValueError as error:
         return description | {"unidentified": str(error)}
 
 
-def source(function: Any, dim: int | None = None) -> str:
-    """Source of a density or law of the user; "" for granstudy's, and where it cannot be known."""
-    if is_granstudys(function):
-        return ""
+def known(function: Any, dim: int | None = None) -> Code | None:
+    """The content of a density or law of the user; None for granstudy's, and where it cannot be known."""
+    if is_granstudys(function) or not callable(function):
+        return None
     try:
-        return code(function, dim).source
+        return code(function, dim)
     except ValueError:
-        return ""
+        return None

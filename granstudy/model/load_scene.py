@@ -32,7 +32,9 @@ TIME_WORDS = (
 )
 """Words of runs through time."""
 
-RESERVED = frozenset((*SCENE_WORDS, *TIME_WORDS, *(field.name for field in fields(Solver))))
+RESERVED = frozenset(
+    ("name", "beside", *SCENE_WORDS, *TIME_WORDS, *(field.name for field in fields(Solver)))
+)
 """Words that no argument of a user's function can have: a study file could not tell them apart."""
 
 ONE_OF = (
@@ -47,7 +49,7 @@ Function = Callable[..., Any]
 
 
 def load_scene(
-    name: str | Function, /, *, beside: str | Path | None = None, **overrides: Any
+    name: str | Function, *, beside: str | Path | None = None, **overrides: Any
 ) -> Scene:
     """A scene by its name, or by a density of one's own, with any word set.
 

@@ -65,6 +65,10 @@ class OwnFunction:
     def __hash__(self) -> int:
         return hash(self._digest)
 
+    def __dask_tokenize__(self) -> tuple[str, str]:
+        """What Dask knows the function by."""
+        return type(self).__name__, self._digest or str(id(self))
+
     def __repr__(self) -> str:
         given = ", ".join(f"{name}={value!r}" for name, value in self.arguments)
         return f"{name_of(self.function)}({given})"

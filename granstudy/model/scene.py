@@ -14,6 +14,7 @@ from granstudy.model.kernel import VHS
 from granstudy.model.restitution import Restitution, check_restitution
 from granstudy.model.stated_moments import StatedMoments
 from granstudy.support.checks import is_real, plain
+from granstudy.support.own_code.code import Code
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.space import VelocitySpace, check_dim, check_shape
 from granstudy.velocity.symmetry import Symmetry
@@ -149,12 +150,12 @@ class Scene:
         Densities and laws of granstudy are described by their ``repr``; functions of the user by name,
         arguments and a digest of their code.
         """
-        law = self.restitution
+        law, known = self.restitution, self._contents()
         return {
             "dim": self.dim,
-            "initial": identity.described(self.initial, self.dim),
+            "initial": identity.described(self.initial, self.dim, known[0]),
             "kernel": dataclasses.asdict(self.kernel),
-            "restitution": identity.described(law) if callable(law) else law,
+            "restitution": identity.described(law, None, known[1]) if callable(law) else law,
             "diffusion": self.diffusion,
             "symmetry": self.symmetry.name,
         }
@@ -167,24 +168,33 @@ class Scene:
         ValueError
             If such a function reaches a value that has no content to be known by.
         """
-        law = self.restitution
-        names: list[tuple[str, Any, int | None]] = [("initial", self.initial, self.dim)]
-        names += [("restitution", law, None)] if callable(law) else []
-        digests = {
-            name: identity.code(function, dim).digest
-            for name, function, dim in names
-            if not identity.is_granstudys(function)
-        }
-        return self.describe() | digests
+        described = self.describe()
+        for name in ("initial", "restitution"):
+            if isinstance(described[name], dict):
+                if "unidentified" in described[name]:
+                    raise ValueError(described[name]["unidentified"])
+                described[name] = described[name]["digest"]
+        return described
 
     @property
     def source(self) -> str:
         """Source of the user's own density and law; "" where all is granstudy's or cannot be known."""
-        functions = ((self.initial, self.dim), (self.restitution, None))
-        texts = [
-            identity.source(function, dim) for function, dim in functions if callable(function)
-        ]
-        return FUTURE + "\n\n".join(filter(None, texts)) if any(texts) else ""
+        texts = [known.source for known in self._contents() if known is not None]
+        return FUTURE + "\n\n".join(texts) if texts else ""
+
+    def _contents(self) -> tuple[Code | None, Code | None]:
+        """Contents of the density and the law, None for what is not the user's or cannot be known.
+
+        A scene that comes from another process has the contents from there: a function that was sent has
+        lost its source.
+        """
+        sent: tuple[Code | None, Code | None] | None = self.__dict__.get("_sent")
+        if sent is not None:
+            return sent
+        return identity.known(self.initial, self.dim), identity.known(self.restitution)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return self.__dict__ | {"_sent": self._contents()}
 
 
 def check_density(f: np.ndarray, grid: VelocitySpace) -> np.ndarray:

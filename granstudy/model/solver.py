@@ -1,12 +1,10 @@
 """Solver: the grid, the quadrature and the method that a scene is modelled with."""
 
 import dataclasses
-import json
 import math
-import os
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, ClassVar
 
 from granstudy.model.methods import (
     METHODS,
@@ -17,18 +15,24 @@ from granstudy.model.methods import (
     Method,
     that_take,
 )
-from granstudy.support.checks import check_count
+from granstudy.support.checks import check_count, is_count, is_real, plain
 from granstudy.support.errors import unknown_name
+from granstudy.support.files import file_digest
+from granstudy.support.machine import cores
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.space import check_node_count, check_point_count, check_radius
 
 VARIANTS = ("full", "separate")
+SPHERE_RULES = ("design", "lebedev", "product", "gauss-theta-phi")
 RADIAL_RULES = ("legendre", "jacobi")
 PRECISIONS = ("double", "single")
 DEVICES = ("cpu", "gpu")
 
 NOT_IN_USE = {"dealias": False, "precision": PRECISIONS[0], "device": DEVICES[0]}
 """Values of the fields of `PRODUCTS` that a solver's description leaves out."""
+
+REAL = ("R", "rtol")
+"""Fields that are real numbers: 7 and 7.0 are one value."""
 
 LEAST_PARTICLES = 10
 """Smallest number of particles in a batch of `dsmc`: the covariance of fewer says little."""
@@ -79,6 +83,8 @@ class Solver:
 
     sphere_rule : str
         ``design``, ``lebedev``, ``product``, ``gauss-theta-phi``, or the path of a text file of unit vectors.
+        The content of such a file belongs to the solver: two solvers with different contents are not equal,
+        and a file that changes after the solver was made is refused.
     radial_rule : str
         ``legendre`` (the paper's) or ``jacobi`` (spectral at every λ).
     rtol : float or None
@@ -136,7 +142,10 @@ class Solver:
     threads: int | None = setting(None, "threads to use; default: one a core")
     device: str = setting("cpu", "cpu or gpu; default: cpu")
 
+    _sphere_rule_sha256: ClassVar[str | None]  # no field: it follows from one
+
     def __post_init__(self) -> None:
+        self._make_plain()
         for field, allowed in (
             ("variant", VARIANTS),
             ("method", tuple(METHODS)),
@@ -144,7 +153,8 @@ class Solver:
             ("precision", PRECISIONS),
             ("device", DEVICES),
         ):
-            if getattr(self, field) not in allowed:
+            value = getattr(self, field)
+            if not isinstance(value, str) or value not in allowed:
                 raise unknown_name(field, getattr(self, field), allowed)
         self._check_grid()
         self._check_sizes()
@@ -153,6 +163,19 @@ class Solver:
             self._check_rtol(self.rtol)
         if self.traits.by_particles:
             self._check_particles()
+        named = self.sphere_rule in SPHERE_RULES
+        digest = None if named else file_digest(self.sphere_rule)
+        object.__setattr__(self, "_sphere_rule_sha256", digest)
+
+    def _make_plain(self) -> None:
+        """Keep numbers of NumPy as numbers of Python, R and rtol as floats, a pair of nodes as a tuple."""
+        for field in dataclasses.fields(Solver):
+            value = plain(getattr(self, field.name))
+            if field.name in REAL and is_real(value):
+                value = float(value)
+            elif field.name == "M_sph" and isinstance(value, list | tuple):
+                value = tuple(plain(each) for each in value)
+            object.__setattr__(self, field.name, value)
 
     def _check_grid(self) -> None:
         """Raise ValueError unless N and R are both good, or both open and a tolerance chooses them."""
@@ -176,12 +199,21 @@ class Solver:
             allowed = next(name for name, method in METHODS.items() if method.free_radii)
             raise ValueError(f"N_rho=None: only method {allowed!r} allows it, not {self.method!r}")
         check_count("M_cir", self.M_cir)
-        if not isinstance(self.M_sph, (tuple, list)):
+        if not isinstance(self.M_sph, tuple):
             check_count("M_sph", self.M_sph)
+        elif len(self.M_sph) != 2 or not all(map(is_count, self.M_sph)):
+            raise ValueError(
+                f"M_sph={self.M_sph!r}: must be a positive integer, or a pair of them (N_theta, N_phi)"
+            )
         if self.threads is not None:
             check_count("threads", self.threads)
-        if not isinstance(self.dealias, bool):
-            raise ValueError(f"dealias={self.dealias!r}: must be True or False")
+        for field in ("dealias", "circular"):
+            if not isinstance(getattr(self, field), bool):
+                raise ValueError(f"{field}={getattr(self, field)!r}: must be True or False")
+        if not isinstance(self.sphere_rule, str):
+            raise ValueError(
+                f"sphere_rule={self.sphere_rule!r}: must be the name of a rule or the path of a file"
+            )
 
     def _check_only_some(self) -> None:
         """Raise ValueError for a field that only other methods take."""
@@ -195,7 +227,7 @@ class Solver:
 
     def _check_rtol(self, rtol: object) -> None:
         """Raise ValueError for a bad tolerance, or one beside a field that it chooses."""
-        if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 0.0 < rtol < 1.0:
+        if not is_real(rtol) or not 0.0 < rtol < 1.0:
             raise ValueError(f"rtol={rtol!r}: must be a number between 0 and 1, or None")
         for name, default in _defaults():
             value = getattr(self, name)
@@ -220,11 +252,22 @@ class Solver:
             raise ValueError(f"seed={self.seed!r}: must be an integer of at least 0")
 
     def __eq__(self, other: object) -> bool:
-        """Whether both have the same fields; a `SizedSolver` may equal a `Solver`."""
-        return isinstance(other, Solver) and self._values() == other._values()
+        """Whether fields and the rule's file are equal; a `SizedSolver` may equal a `Solver`."""
+        if not isinstance(other, Solver):
+            return False
+        mine, others = ((one._values(), one.sphere_rule_sha256) for one in (self, other))
+        return mine == others
 
     def __hash__(self) -> int:
-        return hash(self._values())
+        return hash((self._values(), self.sphere_rule_sha256))
+
+    @property
+    def sphere_rule_sha256(self) -> str | None:
+        """SHA-256 of the file of directions, as it was when the solver was made; None for a rule with a name.
+
+        None too where there was no such file.
+        """
+        return self._sphere_rule_sha256
 
     def _values(self) -> tuple[Any, ...]:
         return tuple(getattr(self, name) for name, _ in _defaults())
@@ -249,7 +292,9 @@ class Solver:
         """
         if self.N is None:
             raise ValueError("N=None: choose N and R first, with granstudy.choose")
-        return SizedSolver(*self._values())
+        sized = SizedSolver(*self._values())
+        object.__setattr__(sized, "_sphere_rule_sha256", self._sphere_rule_sha256)
+        return sized
 
     def grid(self, dim: int) -> VelocityGrid:
         """The Cartesian grid in ``dim`` dimensions; method `radial` has another one (`RadialGrid`)."""
@@ -259,7 +304,7 @@ class Solver:
     @property
     def thread_count(self) -> int:
         """Threads to use."""
-        return self.threads or len(os.sched_getaffinity(0))
+        return self.threads or cores()
 
     def coordinates(self, dim: int) -> dict[str, Any]:
         """The solver's parameters that a study sweeps and that play a part.
@@ -301,7 +346,8 @@ class Solver:
     def describe(self) -> dict[str, Any]:
         """The solver as plain data, for a dataset's attributes.
 
-        Only fields that decide the result are described. Left out are ``threads``; the fields that
+        Only fields that decide the result are described, and of a file of directions its content by
+        ``sphere_rule_sha256``. Left out are ``threads``; the fields that
         ``rtol`` chooses, or ``rtol`` where it is None; fields of particles, or of quadrature, for methods
         without them; and the fields of `PRODUCTS` that are not in use.
         """
@@ -309,7 +355,10 @@ class Solver:
         unused = {"threads", *({"rtol"} if self.rtol is None else QUADRATURE)}
         unused |= {name for name in PRODUCTS if every[name] == NOT_IN_USE[name]}
         unused |= self.traits.unused if self.traits.by_particles else PARTICLES
-        return {key: value for key, value in every.items() if key not in unused}
+        described = {key: value for key, value in every.items() if key not in unused}
+        if "sphere_rule" in described and self.sphere_rule_sha256 is not None:
+            described["sphere_rule_sha256"] = self.sphere_rule_sha256
+        return described
 
 
 @cache
@@ -337,29 +386,3 @@ class SizedSolver(Solver):
         beyond, and those modes are dropped.
         """
         return 2 * math.ceil(3 * self.N / 4) if self.dealias else self.N
-
-
-@dataclass(frozen=True)
-class Choice:
-    """A solver as it was asked for, and as it was chosen for a scene (`granstudy.choose`).
-
-    Attributes
-    ----------
-    asked : Solver
-        The solver asked for, which may leave grid or method open.
-    solver : SizedSolver
-        The solver chosen; the same where nothing was open.
-    reason : str
-        Why, in a line; "" where nothing was open.
-    """
-
-    asked: Solver
-    solver: SizedSolver
-    reason: str
-
-    def attributes(self) -> dict[str, str]:
-        """Attributes of a dataset beside its ``solver``: none where nothing was open."""
-        if self.solver == self.asked:
-            return {}
-        asked = json.dumps(self.asked.describe(), sort_keys=True)
-        return {"asked_solver": asked, "choice": self.reason}

@@ -5,8 +5,9 @@ Velocities have the shape (n, 3) in both dimensions; in 2D the third component i
 
 import math
 
-import numba
 import numpy as np
+
+from granstudy.support.compiled import compiled
 
 OCTAVES = 64
 """Octaves of the table of restitution, down from its largest speed. Below them α keeps its value."""
@@ -15,12 +16,12 @@ PER_OCTAVE = 128
 """Linear pieces of the table in an octave: an error of at most 8e-6 · max|v² e''(v)|, 1e-6 for
 `granstudy.Viscoelastic`."""
 
-# Numba compiles constants in, and its cache sees changes of this file only.
-_compile = numba.njit(nogil=True, cache=True, error_model="numpy")
-_compile_sums = numba.njit(nogil=True, cache=True, fastmath={"contract", "nsz", "reassoc"})
+_compile = compiled(error_model="numpy")
+_inline = compiled(error_model="numpy", forceinline=True)
+_compile_sums = compiled(fastmath={"contract", "nsz", "reassoc"})
 
 
-@_compile
+@_inline
 def direction(dim, rng):
     """σ uniform on the unit circle (2D) or sphere (3D; Marsaglia, Ann. Math. Stat. 43, 645 (1972))."""
     while True:
@@ -35,7 +36,7 @@ def direction(dim, rng):
     return x * r, y * r, 1.0 - 2.0 * s
 
 
-@_compile
+@_inline
 def power(squared, exponent):
     """|g|^λ from |g|²."""
     if exponent == 1.0:
@@ -45,13 +46,13 @@ def power(squared, exponent):
     return squared ** (0.5 * exponent)
 
 
-@_compile
+@_inline
 def squared_length(c, i):
     """|c_i|²."""
     return c[i, 0] ** 2 + c[i, 1] ** 2 + c[i, 2] ** 2
 
 
-@_compile
+@_inline
 def alpha_at(speed, alphas, top):
     """α at a speed: linear between the table's speeds top · 2^−k (1 + m/128), constant beyond its ends."""
     mantissa, octave = math.frexp(speed / top)  # mantissa in [½, 1)
@@ -65,7 +66,7 @@ def alpha_at(speed, alphas, top):
     return (1.0 - part) * alphas[k] + part * alphas[k + 1]
 
 
-@_compile
+@_inline
 def recentre(c):
     """Take off the mean of c, in place; returns the largest |c_i|² left.
 

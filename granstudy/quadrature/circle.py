@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from granstudy.quadrature.rule import Rule, check_size
+from granstudy.quadrature.rule import Rule, check_direction_count, check_size
 
 
 def circle_rule(M_cir: int) -> Rule:
@@ -15,9 +15,10 @@ def circle_rule(M_cir: int) -> Rule:
     Raises
     ------
     ValueError
-        If `M_cir` is not a positive integer.
+        If `M_cir` is not a positive integer, or above 2¹⁶.
     """
     check_size("M_cir", M_cir)
+    check_direction_count("M_cir", M_cir)
     theta = 2 * np.pi * np.arange(M_cir) / M_cir
     points = np.column_stack([np.cos(theta), np.sin(theta)])
     weights = np.full(M_cir, 2 * np.pi / M_cir)

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.special import roots_jacobi
 
-from granstudy.quadrature.rule import Rule, check_size
+from granstudy.quadrature.rule import Rule, check_gauss_size, check_size
 from granstudy.support.checks import check_positive
 from granstudy.support.errors import unknown_name
 
@@ -31,10 +31,11 @@ def radial_rule(N_rho: int, R: float, rule: str = "legendre", exponent: float = 
     Raises
     ------
     ValueError
-        If `N_rho` is not a positive integer, `R` is not positive, `exponent` is not above −1, or `rule` is
-        not known.
+        If `N_rho` is not a positive integer or above 4096, `R` is not positive, `exponent` is not above −1,
+        or `rule` is not known.
     """
     check_size("N_rho", N_rho)
+    check_gauss_size("N_rho", int(N_rho))
     check_positive("R", R)
     if not (np.isfinite(exponent) and exponent > -1):
         raise ValueError(f"exponent={exponent!r}: must be a number above -1 (integrable at 0)")

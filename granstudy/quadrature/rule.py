@@ -15,6 +15,16 @@ UNIT_TOLERANCE = 1e-12
 """Largest | |x_i| − 1 | of a direction."""
 
 
+MOST_DIRECTIONS = 2**16
+"""Most directions of a rule. No grid of a size that can be computed resolves as many."""
+
+BYTES_OF_A_DIRECTION = 120
+"""Bytes of a direction: point and weight, a tree of points, and the images under a symmetry."""
+
+LARGEST_GAUSS = 4096
+"""Most nodes of a Gauss rule. Its nodes are eigenvalues, in a time of n³."""
+
+
 @dataclass(frozen=True, eq=False)
 class Rule:
     """Σ_i weights_i φ(points_i), an approximation of an integral of φ.
@@ -127,6 +137,24 @@ def check_size(field: str, value: object) -> None:
     """Raise ValueError unless ``value`` is an integer of at least 1, Python's or NumPy's."""
     if not is_size(value):
         raise ValueError(f"{field}={value!r}: must be a positive integer")
+
+
+def check_direction_count(field: str, count: int) -> None:
+    """Raise ValueError for more directions than `MOST_DIRECTIONS`, before they are made."""
+    if count > MOST_DIRECTIONS:
+        raise ValueError(
+            f"{field}={count}: at most {MOST_DIRECTIONS}; a rule of so many points takes about "
+            f"{BYTES_OF_A_DIRECTION * count / 1e9:.3g} GB"
+        )
+
+
+def check_gauss_size(field: str, count: int) -> None:
+    """Raise ValueError for a Gauss rule above `LARGEST_GAUSS`, before its n × n matrix is made."""
+    if count > LARGEST_GAUSS:
+        raise ValueError(
+            f"{field}={count}: at most {LARGEST_GAUSS}; the nodes are eigenvalues of a matrix that takes "
+            f"about {8e-9 * count**2:.3g} GB"
+        )
 
 
 def check_unit_vectors(field: str, points: NDArray[np.float64]) -> None:

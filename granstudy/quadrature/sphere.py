@@ -1,7 +1,7 @@
 """Rules on the unit sphere."""
 
+import math
 import os
-import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 
 from granstudy.quadrature.design_data import DESIGN_DEGREE, design_points
 from granstudy.quadrature.harmonics import exact_degree
-from granstudy.quadrature.rule import Rule, check_unit_vectors, is_size
+from granstudy.quadrature.rule import (
+    UNIT_TOLERANCE,
+    Rule,
+    check_direction_count,
+    check_gauss_size,
+    is_size,
+)
 from granstudy.support.errors import unknown_name
 
 LEBEDEV_DEGREE = {
@@ -28,6 +34,9 @@ PRODUCT_SIZES = tuple(2 * n**2 for n in range(1, 65))
 
 SPHERE_RULES = ("design", "lebedev", "product", "gauss-theta-phi")
 """Names of the rules that `sphere_rule` takes, beside paths of text files."""
+
+SHOWN = 80
+"""Most characters of a line that a message shows."""
 
 Size = int | tuple[int, int] | None
 """Size M_sph of a rule: points, the pair (N_theta, N_phi), or None for all points of a file."""
@@ -57,7 +66,7 @@ def sphere_rule(M_sph: Size, rule: str | os.PathLike[str] = "design") -> Rule:
     ------
     ValueError
         If `M_sph` is not a size of the rule (the message names the nearest), the rule is neither known nor
-        a file, or the file does not hold unit vectors within 1e-12.
+        a file, or the file does not hold unit vectors within 1e-12 (the message names the line).
     """
     match rule:
         case "design":
@@ -68,7 +77,11 @@ def sphere_rule(M_sph: Size, rule: str | os.PathLike[str] = "design") -> Rule:
         case "product":
             return _product(_listed_size(M_sph, rule))
         case "gauss-theta-phi":
-            return _gauss_theta_phi(*_pair(M_sph))
+            N_theta, N_phi = _pair(M_sph)
+            check_direction_count(f"M_sph={M_sph!r}: N_theta * N_phi", N_theta * N_phi)
+            for field, size in (("N_theta", N_theta), ("N_phi", N_phi)):
+                check_gauss_size(f"M_sph={M_sph!r}: {field}", size)
+            return _gauss_theta_phi(N_theta, N_phi)
     return _from_file(M_sph, rule)
 
 
@@ -136,16 +149,40 @@ def _from_file(M_sph: Size, path: str | os.PathLike[str]) -> Rule:
     if not Path(path).is_file():
         raise unknown_name("sphere_rule", os.fspath(path), (*SPHERE_RULES, "path of a text file"))
     try:
-        with warnings.catch_warnings(action="ignore"):  # of an empty file, which raises below
-            points = np.loadtxt(path, ndmin=2)
-    except ValueError as error:
-        raise ValueError(f"{field}: not a table of numbers: {error}") from error
-    if points.shape[1] != 3 or len(points) == 0 or not np.all(np.isfinite(points)):
-        raise ValueError(f"{field}: shape {points.shape}; must be finite unit vectors, 3 columns")
-    check_unit_vectors(field, points)
+        lines = Path(path).read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise ValueError(f"{field}: cannot be read as text: {error}") from error
+    rows = [
+        _unit_vector(line, f"{field}, line {number}")
+        for number, line in enumerate(lines, 1)
+        if line.partition("#")[0].strip()
+    ]
+    if not rows:
+        raise ValueError(f"{field}: has no line with a unit vector, three numbers")
+    check_direction_count("points", len(rows))
+    points = np.array(rows)
     if M_sph is not None and not (is_size(M_sph) and M_sph == len(points)):
         raise ValueError(f"M_sph={M_sph!r}: {field} has {len(points)} points")
     return _equal_weights(points, exact_degree(points), Path(path).name)
+
+
+def _unit_vector(line: str, place: str) -> tuple[float, ...]:
+    """The unit vector on a line of text, before any ``#``. A ValueError names the place of the line."""
+    text = line.partition("#")[0].strip()
+    shown = text if len(text) <= SHOWN else f"{text[:SHOWN]}..."
+    try:
+        vector = tuple(map(float, text.split()))
+    except ValueError:
+        vector = ()
+    if len(vector) != 3 or not all(map(math.isfinite, vector)):
+        raise ValueError(f"{place}: {shown!r} must be three finite numbers, a unit vector")
+    off = math.hypot(*vector) - 1.0
+    if abs(off) > UNIT_TOLERANCE:
+        raise ValueError(
+            f"{place}: {shown!r} has a length off 1 by {abs(off):.1e}; must be a unit vector within "
+            f"{UNIT_TOLERANCE:.0e}"
+        )
+    return vector
 
 
 def _listed_size(M_sph: Size, rule: str) -> int:

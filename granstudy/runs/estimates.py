@@ -7,8 +7,8 @@ from functools import lru_cache
 from granstudy.collision.choice.cost import Cost, estimate
 from granstudy.collision.choice.methods import OPERATORS
 from granstudy.collision.operator import choose
+from granstudy.model.choice import Choice
 from granstudy.model.scene import Scene
-from granstudy.model.solver import Choice
 from granstudy.particles.cost import particle_cost
 from granstudy.runs.computation import Computation, ladder
 from granstudy.runs.kinds import KINDS

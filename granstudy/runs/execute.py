@@ -105,7 +105,10 @@ def obtain(
             return refined(computation, _in_store(store, threads, progress))
         return execute(computation, threads, progress)
 
-    return keep(key, store, make, lambda reason: failed_dataset(computation, reason))
+    def failed(reason: str) -> xr.Dataset:
+        return failed_dataset(computation, reason)
+
+    return keep(key, store, make, failed, parameters=computation.parameters)
 
 
 class ChangedError(ValueError):
@@ -117,6 +120,7 @@ def keep(
     store: Store,
     make: Callable[[], xr.Dataset],
     failed: Callable[[str], xr.Dataset],
+    **attributes: str,
 ) -> Outcome:
     """The outcome of a dataset under its key: out of the store, or made now and kept there.
 
@@ -128,6 +132,8 @@ def keep(
         Makes the dataset.
     failed : callable
         Reason ↦ the dataset that stands for one that cannot be made (`CAUSES`).
+    attributes : str
+        Attributes that the kept dataset gets.
     """
     there = store.read(key)
     if there is not None:
@@ -137,16 +143,21 @@ def keep(
         if there is not None:
             return _outcome(key, there, None)
         start = time.perf_counter()
-        try:
-            ds = make()
-        except ChangedError:
-            raise
-        except CAUSES as error:
-            traceback.print_exc()
-            ds = failed(f"{type(error).__name__}: {error}")
+        ds = made(make, failed)
         seconds = time.perf_counter() - start
-        store.write(key, ds, seconds)
+        store.write(key, ds.assign_attrs(attributes), seconds)
         return _outcome(key, ds, seconds)
+
+
+def made(make: Callable[[], xr.Dataset], failed: Callable[[str], xr.Dataset]) -> xr.Dataset:
+    """What ``make`` makes; where it cannot for `CAUSES`, what ``failed`` makes of the reason."""
+    try:
+        return make()
+    except ChangedError:
+        raise
+    except CAUSES as error:
+        traceback.print_exc()
+        return failed(f"{type(error).__name__}: {error}")
 
 
 def _in_store(

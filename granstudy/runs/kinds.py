@@ -64,7 +64,7 @@ def _evolve(computation: Computation, solver: Solver, progress: Progress) -> xr.
 
 def _evolution_evaluations(computation: Computation, solver: SizedSolver) -> int:
     assert computation.time is not None
-    return expected_evaluations(computation.scene, computation.time)
+    return expected_evaluations(computation.scene, solver, computation.time)
 
 
 def _find(state: str, computation: Computation, solver: Solver, progress: Progress) -> xr.Dataset:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from granstudy.collision.choice.cheapest import choose_method
 from granstudy.collision.choice.grid import fit_solver
 from granstudy.collision.choice.methods import maker
-from granstudy.model.solver import Choice
+from granstudy.model.choice import Choice
 from granstudy.runs.computation import Computation
 from granstudy.runs.estimates import chosen
 from granstudy.runs.kinds import KINDS

@@ -13,7 +13,8 @@ from granstudy.states.dataset import state_dataset
 from granstudy.states.equation import SteadyEquation, gas_of
 from granstudy.states.newton import DENSE, Solution, newton
 from granstudy.support.progress import Progress, watched
-from granstudy.trust.error_estimate import SLOWEST, imbalance
+from granstudy.trust.changes import change_of_moments
+from granstudy.trust.error_estimate import a2_relaxation, imbalance
 from granstudy.trust.health import state_of_health
 from granstudy.trust.pair_rates import CollisionRates
 from granstudy.velocity.moments import moment_values
@@ -201,11 +202,13 @@ def _health(
     grid, exponent = equation.grid, scene.kernel.exponent
     g, _, _ = equation.split(found.x)
     values = moment_values(g, grid)
-    off = imbalance(CollisionRates(scene, grid), g, equation.collisions(g))
+    found_rates = change_of_moments(grid, g, equation.collisions(g))
+    off = imbalance(CollisionRates(scene, grid), g, found_rates)
     cooling = abs(off.cooling)
     heating = cooling if heated else 0.0
     output = state_of_health(g, values, values, grid)
-    output["a2"] = abs(off.a2) / (2 * heating + SLOWEST[grid.dim] * off.frequency)
+    relaxation = off.frequency * a2_relaxation(scene.restitution, grid.dim, exponent)
+    output["a2"] = abs(off.a2) / (2 * heating + relaxation)
     if heated:
         output["temperature"] = abs(off.temperature) / (cooling * (1 + exponent / 2))
     return output

@@ -110,6 +110,10 @@ class Layout:
             else f"{self.results}/datasets/{name}.nc"
         )
 
+    def gathered(self, name: str) -> str:
+        """What was gathered of an experiment in Python; a cache."""
+        return f"{self.jobs}/{name}.gathered.nc"
+
     def table_file(self, name: str, form: str = "nc") -> str:
         """Table of an experiment, or of the map."""
         return f"{self.results}/tables/{name}.{form}"

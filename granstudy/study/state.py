@@ -80,10 +80,11 @@ SHIPPED = Path("workflow") / "config"
 """Where the study files of a checkout lie; their results are committed beside, in the default folder."""
 
 
-def check_owner(layout: Layout, file: str | Path) -> None:
+def check_owner(layout: Layout, file: str | Path | None) -> None:
     """Raise ValueError where results of another study file lie, or are committed, under the study's name.
 
-    A study file that is no longer there has given up its name.
+    A study file that is no longer there has given up its name. A study that was built in Python has no file,
+    and any file's name is taken for it.
     """
     if any(character in layout.folder for character in "{}"):
         raise ValueError(f"results={layout.folder!r}: must have no braces, which Snakemake reads")
@@ -91,12 +92,11 @@ def check_owner(layout: Layout, file: str | Path) -> None:
     folder = Path(layout.folder).resolve()
     if folder.name == Layout.folder:
         owners.append(folder.parent / SHIPPED / f"{layout.study.name}.yaml")
-    own = Path(file).resolve()
     for owner in owners:
-        if owner and Path(owner).is_file() and not own.samefile(owner):
+        if owner and Path(owner).is_file() and not (file and Path(file).samefile(owner)):
             raise ValueError(
-                f"{file}: {layout.results} holds the results of another study, {owner}; rename one of the "
-                "two files, or give another folder: --config results=..."
+                f"{file or f'study {layout.study.name!r}'}: {layout.results} holds the results of another "
+                f"study, {owner}; take another name, or another folder: --config results=..."
             )
 
 
@@ -119,10 +119,7 @@ def prepare(layout: Layout, file: str | Path, cores: int | None) -> list[Job]:
         The longest first.
     """
     state = State(layout)
-    _show_runs(state, file)
-    for name in layout.study.model.experiments:
-        if not layout.study.is_timed(name):
-            _show_complete(state, name)
+    show(state, file)
     left = jobs(state.missing, cores)
     for job in left:
         job.write(Path(layout.job_file(job.id)))
@@ -131,7 +128,15 @@ def prepare(layout: Layout, file: str | Path, cores: int | None) -> list[Job]:
     return left
 
 
-def _show_runs(state: State, file: str | Path) -> None:
+def show(state: State, file: str | Path | None) -> None:
+    """Make a study's folder show the study as it is now; ``file`` is the study file, if it has one."""
+    _show_runs(state, file)
+    for name in state.layout.study.model.experiments:
+        if not state.layout.study.is_timed(name):
+            _show_complete(state, name)
+
+
+def _show_runs(state: State, file: str | Path | None) -> None:
     layout, store = state.layout, state.layout.store
     before = read_json(layout.manifest)
     runs = {f"{m.experiment}/{m.path}": m.key for m in layout.study.members}
@@ -148,7 +153,7 @@ def _show_runs(state: State, file: str | Path) -> None:
                 link(store.path(m.key), target)
     content = {
         "study": layout.study.name,
-        "file": str(Path(file).resolve()),
+        "file": "" if file is None else str(Path(file).resolve()),
         "runs": runs,
         "older": state.older,
     }

@@ -1,13 +1,14 @@
 """Studies: from a study file to its checked runs."""
 
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from granstudy.datasets.parameters import parameter
+from granstudy.model.identity import coordinate
 from granstudy.runs.kinds import KINDS
 from granstudy.runs.run_key import run_keys
 from granstudy.study.checks import check_run
@@ -17,11 +18,11 @@ from granstudy.study.schema.experiment import (
     Experiment,
     TimingModel,
 )
-from granstudy.study.schema.file import StudyFile, read_study_file
+from granstudy.study.schema.file import StudyFile, read_study_file, study_model
 from granstudy.study.schema.names import check_run_path
 from granstudy.study.schema.sweeps import values_of
 from granstudy.study.schema.values import cut
-from granstudy.study.schema.words import SWEPT, coordinate
+from granstudy.study.schema.words import SWEPT
 from granstudy.support.errors import unknown_name
 
 
@@ -77,34 +78,47 @@ class Study:
         return [Member(*one, key) for one, key in zip(found, keys, strict=True)]
 
 
-def load_study(path: str | Path) -> Study:
-    """Read a study file and check every run in it.
+Said = str | Path | Mapping[str, Any]
+"""A study file, or what such a file says."""
+
+
+def load_study(said: Said, name: str | None = None) -> Study:
+    """Read a study file, or what such a file says, and check every run in it.
 
     Raises
     ------
     ValueError
         One line an error, each naming the file, the field, the value and what is allowed.
     """
-    study = read_study(path)
-    for name, experiment in study.model.experiments.items():
+    study = read_study(said, name)
+    for experiment, model in study.model.experiments.items():
         try:
-            _check_runs(name, experiment, study.runs[name])
-            _check_beside(name, experiment, list(study.model.experiments))
+            _check_runs(experiment, model, study.runs[experiment])
+            _check_beside(experiment, model, list(study.model.experiments))
         except ValueError as error:
-            raise ValueError(f"{path}: {error}") from None
+            raise ValueError(f"{_source(said)}: {error}") from None
     return study
 
 
-def read_study(path: str | Path) -> Study:
-    """Read a study file that was checked before, so that its runs need no check."""
-    model, folder = read_study_file(path), Path(path).parent
+def read_study(said: Said, name: str | None = None) -> Study:
+    """Read a study that was checked before, so that its runs need no check."""
+    if isinstance(said, Mapping):
+        model, folder, own = study_model(said), Path(), name or "study"
+    else:
+        model, folder, own = read_study_file(said), Path(said).parent, Path(said).stem
     runs: dict[str, dict[str, Run]] = {}
-    for name, experiment in model.experiments.items():
+    for experiment, section in model.experiments.items():
         try:
-            runs[name] = _by_path(_expand(name, experiment, folder))
+            runs[experiment] = _by_path(_expand(experiment, section, folder))
         except (ValueError, OSError) as error:
-            raise ValueError(f"{path}: experiments.{name}: {cut(str(error))}") from None
-    return Study(Path(path).stem, model, runs)
+            where = f"{_source(said)}: experiments.{experiment}"
+            raise ValueError(f"{where}: {cut(str(error))}") from None
+    return Study(own, model, runs)
+
+
+def _source(said: Said) -> str:
+    """Where a study comes from, for messages."""
+    return "study" if isinstance(said, Mapping) else str(said)
 
 
 def _check_runs(name: str, experiment: Experiment, runs: dict[str, Run]) -> None:

@@ -1,6 +1,5 @@
 """Computed arrays kept on disk, under names that say everything they depend on."""
 
-import hashlib
 import io
 import os
 import time
@@ -12,46 +11,65 @@ from pathlib import Path
 import numpy as np
 from platformdirs import user_cache_path
 
-from granstudy.support.files import TEMPORARY_PREFIX, write_whole
+from granstudy.support.files import TEMPORARY_PREFIX, sealed, unsealed, write_whole
 
 VARIABLE = "GRANSTUDY_CACHE"
 """Environment variable that names another cache folder."""
-
-DIGEST_BYTES = hashlib.sha256().digest_size
-"""Bytes of the checksum at the head of a file."""
 
 ABANDONED = 86400.0
 """Age in seconds from which an unfinished file counts as abandoned. Writing one takes seconds."""
 
 
 def cache_folder() -> Path:
-    """``$GRANSTUDY_CACHE``, or granstudy's folder in the platform's user cache (platformdirs)."""
-    named = os.environ.get(VARIABLE)
-    return Path(named) if named else user_cache_path("granstudy", appauthor=False)
+    """``$GRANSTUDY_CACHE``, or granstudy's folder in the platform's user cache (platformdirs).
+
+    Raises
+    ------
+    OSError
+        If the variable is not set, and the user has no home.
+    """
+    if named := os.environ.get(VARIABLE):
+        return Path(named)
+    try:
+        folder = user_cache_path("granstudy", appauthor=False)
+    except RuntimeError as error:
+        raise OSError(str(error)) from error
+    if not folder.is_absolute():  # as an earlier platformdirs answers: ~/.cache
+        raise OSError(f"no home directory for {folder}")
+    return folder
 
 
 def cached_array(name: str, compute: Callable[[], np.ndarray]) -> np.ndarray:
     """The array kept under ``name``. If there is none, it is computed and kept.
 
     Concurrent runs are safe: a file appears whole or not at all, and two runs that compute the same array
-    replace each other's file by an equal one. An array whose file does not match its checksum is computed
-    anew. Where the folder cannot be written to, a warning says so. Unfinished files of killed processes are
-    removed after a day, when the next array is kept.
+    replace each other's file by an equal one. The checksum in a file covers name and array: a file that is
+    damaged, or that holds the array of another name, counts as missing. Where the folder cannot be written
+    to, a warning says so. Unfinished files of killed processes are removed after a day, when the next array
+    is kept.
     """
-    path = cache_folder() / f"{name}.npy.sha256"
-    array = _read(path)
+    try:
+        path = cache_folder() / f"{name}.npy.sha256"
+    except OSError as error:
+        _say_not_kept(str(error))
+        return compute()
+    array = _read(path, name)
     if array is None:
         array = compute()
         try:
-            write_whole(path, lambda partial: partial.write_bytes(_pack(array)))
+            write_whole(path, lambda partial: partial.write_bytes(_pack(array, name)))
             _remove_abandoned(path.parent)
         except OSError as error:
-            warnings.warn(
-                f"{path.parent}: cannot keep computed arrays there ({error}); they are computed "
-                f"again by every run. Set {VARIABLE} to a folder that can be written to",
-                stacklevel=2,
-            )
+            _say_not_kept(f"{path.parent}: {error}")
     return array
+
+
+def _say_not_kept(reason: str) -> None:
+    warnings.warn(
+        f"cannot keep computed arrays ({reason}); they are computed again by every run. Set {VARIABLE} to a "
+        "folder that can be written to",
+        stacklevel=3,
+    )
 
 
 def _remove_abandoned(folder: Path) -> None:
@@ -62,21 +80,17 @@ def _remove_abandoned(folder: Path) -> None:
                 partial.unlink()
 
 
-def _pack(array: np.ndarray) -> bytes:
-    """SHA-256 of NumPy's file format, then that format."""
+def _pack(array: np.ndarray, name: str) -> bytes:
+    """NumPy's file format, which holds shape and type, sealed with the name."""
     buffer = io.BytesIO()
     np.save(buffer, array, allow_pickle=False)
-    payload = buffer.getvalue()
-    return hashlib.sha256(payload).digest() + payload
+    return sealed(buffer.getvalue(), name)
 
 
-def _read(path: Path) -> np.ndarray | None:
-    """The array in a file, or None if the file is missing or damaged."""
+def _read(path: Path, name: str) -> np.ndarray | None:
+    """The array in a file, or None if the file is missing, damaged or another array's."""
     try:
-        content = path.read_bytes()
+        payload = unsealed(path.read_bytes(), name)
     except OSError:
         return None
-    digest, payload = content[:DIGEST_BYTES], content[DIGEST_BYTES:]
-    if hashlib.sha256(payload).digest() != digest:
-        return None
-    return np.load(io.BytesIO(payload), allow_pickle=False)
+    return None if payload is None else np.load(io.BytesIO(payload), allow_pickle=False)

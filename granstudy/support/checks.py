@@ -24,7 +24,12 @@ def check_positive(field: str, value: object) -> None:
         raise ValueError(f"{field}={value!r}: must be a positive number")
 
 
+def is_count(value: object) -> TypeGuard[int]:
+    """Whether ``value`` is an integer of at least 1; True is none."""
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and bool(value >= 1)
+
+
 def check_count(field: str, value: object) -> None:
     """Raise ValueError unless ``value`` is an integer of at least 1."""
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
+    if not is_count(value):
         raise ValueError(f"{field}={value!r}: must be a positive integer")

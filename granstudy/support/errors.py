@@ -3,9 +3,15 @@
 import difflib
 from collections.abc import Sequence
 
+import numpy as np
+
 
 class NotFiniteError(ValueError):
     """A density holds NaN or infinite values."""
+
+
+RAN_AWAY = (NotFiniteError, ArithmeticError, np.linalg.LinAlgError)
+"""What arithmetic raises where a density runs away: overflow, division by zero, a singular matrix."""
 
 
 class ToleranceError(ValueError):

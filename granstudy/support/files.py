@@ -1,5 +1,6 @@
 """Files that appear whole or not at all."""
 
+import hashlib
 import json
 import os
 import tempfile
@@ -9,6 +10,9 @@ from typing import Any
 
 TEMPORARY_PREFIX = ".partial-"
 """Start of the name of a file that is not yet whole; a killed process leaves such a file behind."""
+
+DIGEST_BYTES = hashlib.sha256().digest_size
+"""Bytes of the checksum at the head of a sealed file."""
 
 
 def write_whole(path: Path, write: Callable[..., Any]) -> None:
@@ -57,3 +61,22 @@ def read_json(path: str | Path) -> dict[str, Any]:
     except (OSError, ValueError):
         return {}
     return content if isinstance(content, dict) else {}
+
+
+def file_digest(path: str | os.PathLike[str]) -> str | None:
+    """SHA-256 of a file's content; None where there is no file that can be read."""
+    try:
+        return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+    except (OSError, ValueError):  # a path with a zero byte is a ValueError
+        return None
+
+
+def sealed(payload: bytes, seal: str) -> bytes:
+    """A checksum over ``seal`` and payload, then the payload. The seal says what the payload is."""
+    return hashlib.sha256(seal.encode() + payload).digest() + payload
+
+
+def unsealed(content: bytes, seal: str) -> bytes | None:
+    """The payload that `sealed` made with the same seal; None where it is damaged or another one."""
+    payload = content[DIGEST_BYTES:]
+    return payload if sealed(payload, seal) == content else None

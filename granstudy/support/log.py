@@ -1,5 +1,6 @@
 """The log of a script that Snakemake starts, and how the script ends when it is told to."""
 
+import atexit
 import os
 import signal
 import sys
@@ -27,4 +28,13 @@ def log_to(path: str | Path) -> None:
 
 
 def _leave(number: int, frame: FrameType | None) -> NoReturn:
-    raise SystemExit(128 + number)
+    """Leave through the stack, then without taking the interpreter apart, which takes a second or two."""
+    status = 128 + number
+    atexit.register(_exit, status)
+    raise SystemExit(status)
+
+
+def _exit(status: int) -> NoReturn:
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)

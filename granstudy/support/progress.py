@@ -42,7 +42,7 @@ def watched(progress: Progress, total: int) -> Iterator[Report]:
         yield _called(progress, total)
         return
     hidden = not (person_watches() if progress is None else progress)
-    with _bar()(total=total, disable=hidden) as bar:
+    with kind_of_bar()(total=total, disable=hidden) as bar:
 
         def report(done: int, time: float) -> None:
             bar.update(done - bar.n)
@@ -75,7 +75,7 @@ def _called(progress: Callable[[int, int, float], None], total: int) -> Report:
     return report
 
 
-def _bar() -> Callable[..., tqdm]:
+def kind_of_bar() -> Callable[..., tqdm]:
     """Kind of bar: one of text, but for notebooks with ipywidgets.
 
     `tqdm.auto` would warn in notebooks without ipywidgets, where text does as well.

@@ -22,11 +22,17 @@ from granstudy.theory.maxwell_states import (
     maxwell_tail_exponent,
     sonine_coefficients,
 )
-from granstudy.theory.sonine import cooling_state_a2, heated_state_a2, montanero_santos_a2
+from granstudy.theory.sonine import (
+    a2_relaxation_rate,
+    cooling_state_a2,
+    heated_state_a2,
+    montanero_santos_a2,
+)
 from granstudy.theory.tails import cooling_tail_rate, heated_tail_rate
 
 __all__ = [
     "MomentRates",
+    "a2_relaxation_rate",
     "cooling_correction",
     "cooling_state_a2",
     "cooling_tail_rate",

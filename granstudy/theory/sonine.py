@@ -72,6 +72,24 @@ def heated_state_a2(restitution: float, dim: int = 3, exponent: float = 1.0) -> 
     return (F0 - balance) / (balance * k - F1)
 
 
+def a2_relaxation_rate(restitution: float, dim: int = 3, exponent: float = 1.0) -> float:
+    """Rate at which a small a2 relaxes while the gas cools, over the collision frequency of the Gaussian.
+
+    With 1 + a2 = ⟨|c|⁴⟩/(d(d+2)T²) the equations above give a2' = … − r a2 for
+
+        r = (F_1 − (d+2)p(1+k)) ⟨|g|^{2+λ}⟩ / (d(d+2) ⟨|g|^λ⟩),   ⟨|g|^{2+λ}⟩ = 2(d+λ) ⟨|g|^λ⟩.
+
+    Heating adds 4ε/T. For Maxwell molecules in 3D r is 1/3 at e = 1, 1/24 at e = 0.
+
+    Raises
+    ------
+    ValueError
+        If e or λ is not a number in [0, 1], or the dimension is not 2 or 3.
+    """
+    _, F1, balance, k = _rates(restitution, dim, exponent)
+    return 2 * (dim + exponent) * (F1 - balance * (1 + k)) / (dim * (dim + 2))
+
+
 def _rates(restitution: float, dim: int, exponent: float) -> tuple[float, float, float, float]:
     """F_0, F_1, (d+2)p and k of the equations at the head of this module.
 

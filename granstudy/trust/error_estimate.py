@@ -5,40 +5,47 @@ from typing import NamedTuple
 
 import numpy as np
 
+from granstudy import theory
 from granstudy.model.restitution import Restitution
 from granstudy.model.scene import Scene
 from granstudy.trust import health
+from granstudy.trust.changes import Change
+from granstudy.trust.initial_errors import StartMoments, errors_of, true_start
 from granstudy.trust.pair_rates import CollisionRates, RatesAt
 from granstudy.velocity.space import VelocitySpace
 
 BALANCES = 20
 """Balances in a run, about; each takes an evaluation of Q, and transforms on twice the box."""
 
-FASTEST = 0.5
-"""Fastest relaxation of the shape, in parts of the collision frequency."""
+RELAXATION = 0.5
+"""Rate at which an error of a2 is taken to relax, in parts of the rate of linear theory."""
 
-SLOWEST = {2: 1 / 64, 3: 1 / 24}
-"""Slowest relaxation of the shape, in parts of the collision frequency, by dimension: the rate of a2 for
-Maxwell molecules at e = 0 (docs/theory.md)."""
+
+STEPS_COUNT = 2.0
+"""Factor on the estimated errors of steps, which are right for one rate of change alone."""
+
+
+LARGEST = 1.0
+"""Largest error that is estimated, and that counts for other errors: beyond it the gas is lost."""
 
 
 class Imbalance(NamedTuple):
-    """How far Q of one density is from the exact sums over all pairs.
+    """How far the discrete rates of one density are from the exact ones.
 
     All are relative rates in a unit of the collisions' time.
 
     Attributes
     ----------
     temperature : float
-        T'/T by Q, less T'/T by all pairs.
+        T'/T by the discrete equation, less T'/T by all pairs and by the exact heating.
     a2 : float
-        a2'/(1 + a2) by Q, less the same by all pairs.
+        a2'/(1 + a2) by the discrete equation, less the exact one.
     cooling : float
-        T'/T by all pairs.
+        T'/T by all pairs, without heating.
     frequency : float
         Collisions of a particle.
     shaping : float
-        a2'/(1 + a2) by all pairs.
+        a2'/(1 + a2) by all pairs and by the exact heating.
     """
 
     temperature: float
@@ -48,42 +55,79 @@ class Imbalance(NamedTuple):
     shaping: float
 
 
-def imbalance(rates: CollisionRates, f: np.ndarray, Q: np.ndarray) -> Imbalance:
-    """Moments of Q(f,f) against the exact sums over all pairs of f (docs/method.md §10).
+def imbalance(
+    rates: CollisionRates, f: np.ndarray, found: Change, heating: float = 0.0
+) -> Imbalance:
+    """Rates of T and a2 by the discrete equation against the exact rates (docs/method.md §10).
 
     Parameters
     ----------
     rates : CollisionRates
-        The sums, on the grid of f.
-    f, Q : ndarray, shape rates.grid.shape
-        The density, and Q(f,f) at the same nodes.
+        The sums over all pairs, on the grid of f.
+    f : ndarray, shape rates.grid.shape
+    found : Change
+        Rates of T and a2 by the discrete equation: collisions, and where it has them, diffusion and the
+        motion of the frame.
+    heating : float
+        2ε/T, T the temperature of f, for the diffusion that ``found`` includes.
     """
     grid = rates.grid
     exact = rates(f)
     m = grid.velocity_moments(f)
-    u = m.momentum / m.density
-    V = sum(np.square(v - ui) for v, ui in zip(grid.velocities(), u, strict=True))
-    energy, fourth = (np.sum(phi * f * grid.measure) for phi in (V / 2, V**2))
-    mass_Q, energy_Q, fourth_Q = (np.sum(phi * Q * grid.measure) for phi in (1.0, V / 2, V**2))
-    # T is proportional to ∫|v|²f / ρ, and 1 + a2 to ρ ∫|v|⁴f / (∫|v|²f)²
-    mass = mass_Q / m.density
-    off = (energy_Q - exact.energy) / energy
-    cooling = float(exact.energy / energy)
+    second = float(np.trace(m.pressure))
+    cooling = 2.0 * exact.energy / second
+    # ∫|v−u|⁴ f = d(d+2)ρT²(1 + a2); diffusion adds 4(d+2)dερT to its rate
+    gaussian = (grid.dim + 2) / grid.dim * second**2 / m.density
+    fourth = exact.fourth / m.fourth + 2.0 * heating * gaussian / m.fourth
+    shaping = float(fourth - 2.0 * (cooling + heating))
     return Imbalance(
-        temperature=float(off - mass),
-        a2=float((fourth_Q - exact.fourth) / fourth + mass - 2.0 * off),
-        cooling=cooling,
+        temperature=float(found.temperature - cooling - heating),
+        a2=found.a2 - shaping,
+        cooling=float(cooling),
         frequency=exact.frequency,
-        shaping=float(exact.fourth / fourth - 2.0 * cooling),
+        shaping=shaping,
     )
 
 
+class Balance(NamedTuple):
+    """Rates at which errors grow, and at which they are forgotten, at one time.
+
+    ``other`` is the growth of errors of the shape that a2 does not tell. ``shape`` and ``cooling`` are the
+    rates of T for an error of a2, and for another one.
+    """
+
+    temperature: float
+    a2: float
+    other: float
+    shape: float
+    cooling: float
+    forgetting: float
+    relaxing: float
+
+    def temperature_growth(self, a2: float, other: float) -> float:
+        """Growth of the error of T, with errors of the shape."""
+        shape = self.shape * min(a2, LARGEST) + self.cooling * min(other, LARGEST)
+        return self.temperature + shape
+
+
+class Settled(NamedTuple):
+    """Errors that imbalance has brought: of T relative to T, of a2, and of the shape beside a2."""
+
+    temperature: float
+    a2: float
+    other: float
+
+
 class Examination:
-    """Examines one run, output by output: signs of health, and estimated errors of T and a2.
+    """Examines one run, step by step: signs of health, and estimated errors of T and a2.
+
+    Each error has two parts, which grow and are forgotten alike: what the imbalance of the discrete rates has
+    brought, and what the steps have.
 
     Parameters
     ----------
     scene : Scene
+        The gas in the velocities of the grid at the start.
     grid : VelocitySpace
     outputs : int
         Number of outputs that the run will have.
@@ -98,26 +142,47 @@ class Examination:
 
     def __init__(self, scene: Scene, grid: VelocitySpace, outputs: int, rates: RatesAt) -> None:
         self._scene, self._grid, self._rates = scene, grid, rates
+        self._true = true_start(scene, grid)
         self._every = max(1, (outputs - 1) // BALANCES)
         self._last = outputs - 1
         self._first: health.Moments = {}
-        self._clock = 0.0
-        self._balanced_at = 0.0
-        self._imbalance: Imbalance | None = None
-        self._temperature = self._a2 = 0.0
-        self._mass_error = 0.0
+        self._clock = self._balanced_at = 0.0
+        self._balance: Balance | None = None
+        self._settled = Settled(0.0, 0.0, 0.0)
+        self._stepped = Change(0.0, 0.0)
         self.outputs: list[dict[str, float]] = []
+
+    def step(self, clock: float, error: Change) -> None:
+        """Count the error of a step that led to a time.
+
+        Parameters
+        ----------
+        clock : float
+            The collisions' time: t, in a rescaled frame τ.
+        error : Change
+            Estimated errors of T and a2 that the step made.
+        """
+        if self._balance is None:
+            return
+        elapsed, self._clock = clock - self._clock, clock
+        fading = Change(
+            np.exp(-elapsed * self._balance.forgetting), np.exp(-elapsed * self._balance.relaxing)
+        )
+        self._stepped = Change(
+            self._stepped.temperature * fading.temperature
+            + self._balance.shape * min(self._stepped.a2, LARGEST) * elapsed
+            + STEPS_COUNT * abs(error.temperature),
+            self._stepped.a2 * fading.a2 + STEPS_COUNT * abs(error.a2),
+        )
 
     def look(
         self,
         f: np.ndarray,
         values: health.Moments,
-        clock: float,
-        Q: Callable[[], np.ndarray],
+        found: Callable[[], tuple[Change, float]],
         *,
         restitution: Restitution,
         heating: float,
-        steps_of_order_3: bool,
     ) -> dict[str, str]:
         """Examine an output; returns its warnings, by the names of `granstudy.trust.health.SIGNS`.
 
@@ -127,68 +192,100 @@ class Examination:
             The density that the grid stores: f, in a rescaled frame g.
         values : mapping
             Moments of that density.
-        clock : float
-            The collisions' time: t, in a rescaled frame τ.
-        Q : callable
-            Returns Q(f,f), in a unit of the collisions' time.
+        found : callable
+            Returns the rates of T and a2 by the discrete equation, in a unit of the collisions' time, and
+            the rate of energy that was taken from Q so that it has the exact one.
         restitution : float or callable
             Restitution in the velocities that the grid stores.
         heating : float
-            2ε/T in a unit of the collisions' time: the rate at which heating makes errors of T decay.
-        steps_of_order_3 : bool
-            Whether one step of a fixed size led here from the output before.
+            2ε/T in a unit of the collisions' time.
         """
         number = len(self.outputs)
         if number == 0:
             self._first = values
-            self._sample(values)
-        step, self._clock = clock - self._clock, clock
+            start = StartMoments(*(float(values[name]) for name in StartMoments._fields))
+            off = errors_of(start, self._true)
+            self._settled = Settled(off.temperature, off.a2, 0.0)
         if number % self._every == 0 or number == self._last:
-            self._balance(f, Q(), restitution, heating)
-        now = self._imbalance
-        assert now is not None
-        if steps_of_order_3 and number > 0:
-            # the error of one step h at a rate r is (rh)⁴/24
-            self._temperature += (now.cooling * step) ** 4 / 24.0
-            self._a2 += (FASTEST * now.frequency * step) ** 4 / 24.0
+            rates, removed = found()
+            now = imbalance(self._rates(restitution), f, rates, heating)
+            removed /= self._grid.dim / 2 * values["density"] * values["temperature"]
+            self._weigh(now, removed, float(values["density"]), restitution, heating)
+        grown = self._grown(self._balance)
         output = health.state_of_health(f, values, self._first, self._grid)
-        output |= {"temperature": self._temperature, "a2": self._a2}
+        output |= {
+            "temperature": min(grown.temperature + self._stepped.temperature, LARGEST),
+            "a2": min(grown.a2 + self._stepped.a2, LARGEST),
+        }
         self.outputs.append(output)
         return health.warnings(output)
 
-    def _sample(self, values: health.Moments) -> None:
-        """Start from the errors that the grid makes in the stated moments of the initial density."""
-        stated = self._scene.moments
-        if stated is not None:
-            self._temperature = abs(float(values["temperature"]) / stated.temperature - 1.0)
-            self._a2 = abs(float(values["a2"]) - stated.a2)
-            self._mass_error = abs(float(values["density"]) / stated.density - 1.0)
-
-    def _balance(
-        self, f: np.ndarray, Q: np.ndarray, restitution: Restitution, heating: float
+    def _weigh(
+        self,
+        now: Imbalance,
+        removed: float,
+        density: float,
+        restitution: Restitution,
+        heating: float,
     ) -> None:
-        """Add the errors of T and a2 since the balance before, by the trapezoidal rule.
+        """Take the rates of a balance, and settle what errors have grown to since the balance before.
 
-        Older errors decay. The error of T, relative to T, does as T' = −const T^{1+λ/2} + 2ε says; an error
-        of the shape relaxes.
+        A mass other than the gas's makes all collisions faster or slower by the same factor. A Q whose energy
+        had to be changed is wrong elsewhere as well: its relative rate of energy, ``removed``, is taken as
+        that of an error of the shape.
         """
-        before, self._imbalance = self._imbalance, imbalance(self._rates(restitution), f, Q)
-        before = before or self._imbalance
-        elapsed, self._balanced_at = self._clock - self._balanced_at, self._clock
-        now = self._imbalance
-        forgetting = heating - self._scene.kernel.exponent / 2 * now.cooling
-        self._temperature *= np.exp(-elapsed * forgetting)
-        self._temperature += elapsed * (self._off(before)[0] + self._off(now)[0]) / 2
-        relaxing = 2 * heating + SLOWEST[self._grid.dim] * now.frequency
-        self._a2 *= np.exp(-elapsed * relaxing)
-        self._a2 += elapsed * (self._off(before)[1] + self._off(now)[1]) / 2
-
-    def _off(self, rates: Imbalance) -> tuple[float, float]:
-        """Rates at which the errors of T and a2 grow.
-
-        A mass other than the scene's makes all collisions faster or slower by the same factor.
-        """
-        return (
-            abs(rates.temperature) + self._mass_error * abs(rates.cooling),
-            abs(rates.a2) + self._mass_error * abs(rates.shaping),
+        exponent, dim = self._scene.kernel.exponent, self._grid.dim
+        mass_error = abs(density / self._true.density - 1.0)
+        balance = Balance(
+            temperature=abs(now.temperature) + mass_error * abs(now.cooling),
+            a2=abs(now.a2) + mass_error * abs(now.shaping),
+            other=abs(removed),
+            shape=abs(now.cooling) * (theory.cooling_correction(exponent, 1.0) - 1.0),
+            cooling=abs(now.cooling) * exponent / 2,
+            forgetting=heating - exponent / 2 * now.cooling,
+            relaxing=2 * heating + a2_relaxation(restitution, dim, exponent) * now.frequency,
         )
+        self._settled = self._grown(balance)
+        self._balance, self._balanced_at = balance, self._clock
+
+    def _grown(self, now: Balance | None) -> Settled:
+        """Errors by imbalance at the present time, with rates that go evenly to those of ``now``."""
+        if now is None:
+            return self._settled
+        before = self._balance or now
+        elapsed = self._clock - self._balanced_at
+        start = self._settled
+        a2 = grown(start.a2, before.a2, now.a2, now.relaxing, elapsed)
+        other = grown(start.other, before.other, now.other, now.relaxing, elapsed)
+        temperature = grown(
+            start.temperature,
+            before.temperature_growth(start.a2, start.other),
+            now.temperature_growth(a2, other),
+            now.forgetting,
+            elapsed,
+        )
+        return Settled(temperature, a2, other)
+
+
+def a2_relaxation(restitution: Restitution, dim: int, exponent: float) -> float:
+    """Rate at which an error of a2 is taken to relax in a cooling gas, over the collision frequency.
+
+    A restitution law counts by its value at unit impact speed.
+    """
+    e = float(restitution(np.ones(1))[0]) if callable(restitution) else float(restitution)
+    return RELAXATION * theory.a2_relaxation_rate(e, dim, exponent)
+
+
+def grown(error: float, before: float, now: float, forgetting: float, elapsed: float) -> float:
+    """y at the end of y' = −forgetting y + growth, y = ``error`` at the start.
+
+    The growth goes linearly from ``before`` to ``now`` in the time ``elapsed``: with z = −forgetting·elapsed,
+    y = e^z error + elapsed [φ_1(z) before + φ_2(z) (now − before)], φ_1 = (e^z − 1)/z, φ_2 = (φ_1 − 1)/z.
+    """
+    z = -forgetting * elapsed
+    if abs(z) < 1e-4:
+        phi1, phi2 = 1.0 + z / 2.0, 0.5 + z / 6.0
+    else:
+        phi1 = float(np.expm1(z)) / z
+        phi2 = (phi1 - 1.0) / z
+    return float(np.exp(z) * error + elapsed * (phi1 * before + phi2 * (now - before)))

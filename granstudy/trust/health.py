@@ -72,9 +72,14 @@ SIGNS = {
     "a2_noise": Sign(
         4e-3,
         3e-2,
-        "a2 has two standard errors of {:.1e}: take more particles",
+        "a2 may be off by {:.1e}, two standard errors and what the box cuts: take more particles",
         "a2_error_estimate",
-        "two standard errors of a2 over batches",
+        "two standard errors of a2 over batches, and the error of a2 at the start by the box",
+    ),
+    "a2_cut": Sign(
+        4e-3,
+        3e-2,
+        "the box cuts the initial density, which changes a2 by {:.1e}: take a larger R",
     ),
     "a2_bias": Sign(
         4e-3,
@@ -120,9 +125,10 @@ SIGNS = {
         "spectral_tail",
         "part of ∫f² in the upper quarter of the wavenumbers",
     ),
+    # what an unstable step does shows in the other signs
     "step_ratio": Sign(
         1.0,
-        2.0,
+        np.inf,
         "the step is {:.2g} times what is stable for certain: take a smaller dt, or time_rtol in its "
         "place",
         "step_ratio",

@@ -6,8 +6,10 @@ with V = |v−u|², V' after the collision,
     Δ½(V+V*) = (|g'|²−|g|²)/4,   Δ(V²+V*²) = 2[(|w|²+|g'|²/4)² − (|w|²+|g|²/4)² + (w·g')² − (w·g)²].
 
 The mean over σ, of the components of g' along and across g, leaves polynomials in |g|,
-|w|² = ½(V+V*) − |g|²/4 and w·g = ½(V−V*). Rates are integrals ½∫∫ |S|C_λ|g|^λ Δ f f* dv dv* over all pairs:
-no truncation, no sum over modes or directions. Where the moments of Q differ from these rates, Q is wrong.
+|w|² = ½(V+V*) − |g|²/4 and w·g = ½(V−V*). Rates are integrals ½∫∫ |S|C_λ|g|^λ Δ f f* dv dv* over all pairs,
+without truncation, modes or directions. Where the moments of Q differ from these rates, Q is wrong. On a
+Cartesian grid the integrals are sums over pairs of nodes, less what the kink of |g|^λ at g = 0 adds to such
+a sum (`granstudy.trust.lattice_sums`).
 """
 
 from dataclasses import replace
@@ -20,12 +22,17 @@ import scipy.fft
 from granstudy.model.restitution import Restitution
 from granstudy.model.scene import Scene
 from granstudy.quadrature.deflection import deflections, gauss_legendre
+from granstudy.trust.lattice_sums import lattice_excess, radial_excess
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.space import VelocitySpace
 from granstudy.velocity.sphere import sphere_area
 
 ANGLES = 64
 """Nodes of the mean over the angle between two velocities."""
+
+
+WEIGHT_POWERS = (0, 2, 4, 2, 0)
+"""Powers of ρ beside ρ^λ in the fields of `PairWeights`, at constant restitution."""
 
 
 class Rates(NamedTuple):
@@ -162,24 +169,36 @@ class RatesAt:
 class _CartesianPairs:
     """Sums over all pairs of Cartesian nodes, by transforms on twice the box, where nothing wraps around.
 
-    The sums are integrals to the accuracy of the midpoint rule. The kink of ρ^{2+λ} at ρ = 0 leaves an error
-    O(h^{d+2+λ}), h the spacing; all else is spectrally small.
+    A sum over nodes is an integral to the accuracy of the midpoint rule, once the excess O(h^{d+2+λ}) of the
+    kink at ρ = 0 is subtracted, h the spacing. At constant restitution nothing of it is left. A restitution
+    law is taken to be constant near ρ = 0, at its value for ρ = h/2.
     """
 
     def __init__(self, scene: Scene, grid: VelocityGrid) -> None:
         self._size = (2 * grid.N,) * grid.dim
-        step = np.fft.fftfreq(2 * grid.N, 0.5 / grid.N)
+        step = np.abs(np.fft.fftfreq(2 * grid.N, 0.5 / grid.N).round().astype(int))
         squared = sum(np.square(s) for s in np.meshgrid(*(step,) * grid.dim, sparse=True))
-        distinct, place = np.unique(np.rint(squared), return_inverse=True)
+        distinct, place = np.unique(squared, return_inverse=True)
         weights = pair_weights(scene, grid.spacing * np.sqrt(distinct))
-        self._weights = PairWeights(*(self._transform(w[place], grid.cell) for w in weights))
+        inner = pair_weights(scene, np.array([0.5 * grid.spacing]))
+        powers = [scene.kernel.exponent + power for power in WEIGHT_POWERS]
+        distinct_powers = sorted(set(powers))
+        excesses = lattice_excess(grid.dim, grid.N, distinct_powers)
+        excess = dict(zip(distinct_powers, excesses, strict=True))
+        half = np.ix_(*(step,) * (grid.dim - 1), step[: grid.N + 1])
+        transforms = [
+            self._transform(w[place], float(near[0]) * 2.0**s * excess[s][half], grid.cell)
+            for w, near, s in zip(weights, inner, powers, strict=True)
+        ]
+        self._weights = PairWeights(*transforms)
 
-    def _transform(self, weight: np.ndarray, cell: float) -> np.ndarray:
+    def _transform(self, weight: np.ndarray, excess: np.ndarray, cell: float) -> np.ndarray:
         """K̂ with Σ_k K̂_k Re(â_k b̂_k*) = ∫∫ K a b* dv dv*, the sum over a half spectrum.
 
         Inner modes of the half spectrum count twice.
         """
-        K_hat = scipy.fft.rfftn(weight.reshape(self._size)).real * (cell**2 / weight.size)
+        K_hat = scipy.fft.rfftn(weight.reshape(self._size)).real - excess
+        K_hat *= cell**2 / weight.size
         K_hat[..., 1:-1] *= 2.0
         return K_hat
 
@@ -204,7 +223,7 @@ class _CartesianPairs:
 
 
 class _RadialPairs:
-    """Sums over pairs of speeds, each with the mean over the angle between the velocities.
+    """Sums over pairs of speeds, each with the mean over the angle between the velocities, less their excess.
 
     The grid is known by its nodes and weights alone, so that runs on a Cartesian grid do not depend on the
     radial one.
@@ -217,12 +236,16 @@ class _RadialPairs:
         speeds, weights = grid.velocities()[0], np.asarray(grid.measure)
         r = speeds[:, None]
         V, V_ = r**2, r.T**2
-        forms = np.zeros((3, speeds.size, speeds.size))
+        inner = pair_weights(scene, np.array([0.5 * grid.spacing]))
+        powers = [scene.kernel.exponent + power for power in WEIGHT_POWERS]
+        near = [float(w[0]) / (0.5 * grid.spacing) ** s for w, s in zip(inner, powers, strict=True)]
+        excess = {s: radial_excess(grid.dim, speeds, s) for s in set(powers)}
+        kink = PairWeights(*(a * excess[s] for a, s in zip(near, powers, strict=True)))
+        forms = -_form(kink, V, V_)
         for cosine, weight in zip(x, w / 2, strict=True):
             rho = np.sqrt(np.maximum(V + V_ - 2.0 * cosine * r * r.T, 0.0))
             K = PairWeights(*(a.reshape(rho.shape) for a in pair_weights(scene, rho.ravel())))
-            fourth = K.constant + K.linear * (V + V_) / 2 + K.square * (V - V_) ** 2
-            forms += weight * np.array([K.frequency, K.energy, fourth])
+            forms += weight * _form(K, V, V_)
         self._forms = weights[:, None] * forms * weights
 
     def energy(self, f: np.ndarray) -> float:
@@ -240,6 +263,12 @@ def _pairs(scene: Scene, grid: VelocitySpace) -> _CartesianPairs | _RadialPairs:
     if isinstance(grid, VelocityGrid):
         return _CartesianPairs(scene, grid)
     return _RadialPairs(scene, grid)
+
+
+def _form(K: PairWeights, V: np.ndarray, V_: np.ndarray) -> np.ndarray:
+    """Weights of a pair's frequency, Δ½(V+V*) and Δ(V²+V*²)."""
+    fourth = K.constant + K.linear * (V + V_) / 2 + K.square * (V - V_) ** 2
+    return np.array([K.frequency, K.energy, fourth])
 
 
 def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:

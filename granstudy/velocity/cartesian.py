@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import scipy.fft
 
+from granstudy.velocity.differences import central_differences
 from granstudy.velocity.space import (
     Term,
     VelocityMoments,
@@ -170,11 +171,11 @@ class VelocityGrid:
         return scipy.fft.irfftn(spectrum, s=self.shape)
 
     def gradient(self, f: np.ndarray) -> list[np.ndarray]:
-        """∂f/∂v_i for every i, exact for what the grid represents."""
-        return [_along(self._derivative, f, axis) for axis in range(self.dim)]
+        """∂f/∂v_i for every i, by local differences (`granstudy.velocity.differences`)."""
+        return [_along(self._difference, f, axis) for axis in range(self.dim)]
 
     def dilation(self, f: np.ndarray) -> np.ndarray:
-        """∇v·(v f) (docs/method.md §5)."""
+        """∇v·(v f), by local differences in conservative form (docs/method.md §5)."""
         return np.asarray(sum(_along(self._dilation, f, axis) for axis in range(self.dim)))
 
     @cached_property
@@ -182,20 +183,14 @@ class VelocityGrid:
         return -((np.pi / self.L) ** 2) * self.wavenumber_squared(half=True)
 
     @cached_property
-    def _derivative(self) -> np.ndarray:
-        """Matrix of d/dv on the nodes of one dimension. The unpaired mode −N/2 has the derivative 0."""
-        k = np.where(self.wavenumbers == -self.N // 2, 0, self.wavenumbers)
-        waves = scipy.fft.fft(np.eye(self.N), axis=0)
-        return scipy.fft.ifft(1j * np.pi / self.L * k[:, None] * waves, axis=0).real
+    def _difference(self) -> np.ndarray:
+        """Matrix of d/dv on the nodes of one dimension."""
+        return central_differences(self.N, self.spacing)
 
     @cached_property
     def _dilation(self) -> np.ndarray:
-        """Matrix of d/dv v· = ½(d/dv v· + v· d/dv + 1), whose eigenvalues have the real part ½.
-
-        In this form a flow to the border of the box, where v jumps, does not pile up there.
-        """
-        D, v = self._derivative, self.nodes
-        return 0.5 * (D * v + v[:, None] * D + np.eye(self.N))
+        """Matrix of d/dv v·."""
+        return self._difference * self.nodes
 
 
 def _along(matrix: np.ndarray, f: np.ndarray, axis: int) -> np.ndarray:

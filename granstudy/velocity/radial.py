@@ -9,6 +9,7 @@ import numpy as np
 from scipy.special import j1, jn_zeros
 
 from granstudy.velocity.cartesian import VelocityGrid
+from granstudy.velocity.differences import radial_dilation_2d, radial_dilation_3d
 from granstudy.velocity.space import (
     Term,
     VelocityMoments,
@@ -17,7 +18,7 @@ from granstudy.velocity.space import (
     check_radius,
     check_shape,
 )
-from granstudy.velocity.sphere import sphere_area, sphere_mean, sphere_mean_slope
+from granstudy.velocity.sphere import sphere_area, sphere_mean
 
 BALL_RATIO = 1.3
 """L/R. Beyond L the series repeats f with the other sign. A density that decays like e^{−v²/2T} disturbs
@@ -180,7 +181,7 @@ class RadialGrid:
         return []
 
     def dilation(self, f: np.ndarray) -> np.ndarray:
-        """∇v·(v f) = d f + r f'(r) (docs/method.md §5)."""
+        """∇v·(v f) = d f + r f'(r), by local differences in conservative form (docs/method.md §5)."""
         return self._dilation @ f
 
     def mode_values(self, speeds: np.ndarray) -> np.ndarray:
@@ -252,9 +253,10 @@ class RadialGrid:
 
     @cached_property
     def _dilation(self) -> np.ndarray:
-        """Matrix of d + r d/dr, from r dM(k_m r)/dr = x M'(x) at x = k_m r_j."""
-        slopes = sphere_mean_slope(self.dim, np.multiply.outer(self.nodes, self.wavenumbers))
-        return self.dim * np.eye(self.N) + slopes @ self.analysis
+        """Matrix of d + r d/dr."""
+        if self.dim == 3:
+            return radial_dilation_3d(self.nodes)
+        return radial_dilation_2d(self.nodes, self.weights)
 
     @cached_property
     def _powers(self) -> np.ndarray:

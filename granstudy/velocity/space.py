@@ -102,7 +102,7 @@ class VelocitySpace(Protocol):
         """The components of ∇v f, without those that vanish for every density on the grid."""
 
     def dilation(self, f: np.ndarray) -> np.ndarray:
-        """∇v·(v f), exact for what the grid represents, except for what leaves it at the border."""
+        """∇v·(v f), whose moments are exact except for what leaves the grid at the border."""
 
 
 def check_dim(dim: int) -> None:

@@ -1,7 +1,7 @@
 """Means over the unit circle (2D) and the unit sphere (3D), and their areas."""
 
 import numpy as np
-from scipy.special import j0, j1
+from scipy.special import j0
 
 PAPER_SHIFT = 1e-8
 """Shift s by which the paper's code avoids 0/0: it takes sin(x+s)/(x+s) for sinc x. The printed errors show
@@ -11,11 +11,6 @@ the shift: they come out to 1e-10 relative with it in every sinc, and to 1e-8 of
 def sphere_mean(dim: int, x: np.ndarray) -> np.ndarray:
     """Mean of e^{iσ·x} over the unit sphere as a function of |x|: J0 in 2D, sin|x|/|x| in 3D."""
     return j0(x) if dim == 2 else np.sinc(x / np.pi)
-
-
-def sphere_mean_slope(dim: int, x: np.ndarray) -> np.ndarray:
-    """x M'(x) for M = `sphere_mean`: −x J1(x) in 2D, cos x − sin x/x in 3D."""
-    return -x * j1(x) if dim == 2 else np.cos(x) - np.sinc(x / np.pi)
 
 
 def paper_sphere_mean(dim: int, x: np.ndarray) -> np.ndarray:

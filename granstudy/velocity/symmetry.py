@@ -9,9 +9,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
-import numba
 import numpy as np
 
+from granstudy.support.compiled import compiled
 from granstudy.support.errors import unknown_name
 
 AXES = "xyz"
@@ -242,7 +242,7 @@ def _broken(group: Symmetry, what: str, h: Element, change: float) -> ValueError
     )
 
 
-@numba.njit(nogil=True, cache=True)
+@compiled()
 def _average(f, images, result):
     """result = mean of f over each orbit, at all of the orbit's points."""
     count, orbits = images.shape

@@ -1,24 +1,30 @@
 """Many runs computed here, or by the workers of a Dask cluster, each into the store."""
 
+import logging
 import os
+import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-from distributed import Client, LocalCluster, as_completed, get_client
-from tqdm.auto import tqdm
+from typing import TYPE_CHECKING
 
 from granstudy.runs.execute import Outcome
 from granstudy.runs.store import Store
+from granstudy.support.progress import kind_of_bar, person_watches
 from granstudy.workbench.tasks import Task, perform
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 HERE = 3.0
 """Seconds of estimated work that is done in this process: starting others would take as long."""
 
 BATCH = 5.0
-"""Seconds of estimated work that a worker gets at once."""
+"""Seconds of estimated work that a worker gets at once, at most."""
+
+BATCHES = 3
+"""Batches a worker that the work is divided into, so that one long batch keeps no worker waiting."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +39,7 @@ def compute(
     tasks: Sequence[Task],
     store: Store,
     *,
-    client: Client | None = None,
+    client: "Client | None" = None,
     workers: int | None = None,
     progress: bool | None = None,
 ) -> dict[str, Outcome | Failure]:
@@ -44,8 +50,8 @@ def compute(
     tasks : sequence of Task
     store : Store
     client : distributed.Client, optional
-        Cluster whose workers compute, which must see the store's folder. Default: the client of this process,
-        if it has one; else work of seconds is done here, and more by a local cluster.
+        Cluster whose workers compute, which must see the store's folder. Default, without ``workers``: the
+        client of this process, if it has one; else work of seconds is done here, and more by a local cluster.
     workers : int, optional
         Processes of the local cluster; by default as many as this process has cores. 1 computes here.
     progress : bool, optional
@@ -67,8 +73,8 @@ def compute(
     if not left:
         return found
     seconds = sum(task.seconds for task in left)
-    hidden = None if progress is None else not progress
-    with tqdm(total=seconds, disable=hidden, bar_format=BAR, unit="s") as bar:
+    hidden = not (person_watches() if progress is None else progress)
+    with kind_of_bar()(total=seconds, disable=hidden, bar_format=BAR, unit="s") as bar:
         bar.set_postfix_str(f"0 of {len(left)} runs")
         try:
             with _cluster(client, workers, seconds, len(left)) as cluster:
@@ -89,61 +95,85 @@ BAR = "{l_bar}{bar}| {postfix}, about {remaining} left"
 
 @contextmanager
 def _cluster(
-    client: Client | None, workers: int | None, seconds: float, runs: int
-) -> Iterator[Client | None]:
+    client: "Client | None", workers: int | None, seconds: float, runs: int
+) -> Iterator["Client | None"]:
     """The client that computes; None where this process does."""
-    if client is None:
-        try:
-            client = get_client()
-        except ValueError:
-            client = None
+    client = client or (_client() if workers is None else None)
     if client is not None:
-        with nullcontext():
-            yield client
+        yield client
         return
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     count = min(workers or cores or 1, runs)
     if count == 1 or (workers is None and seconds < HERE):
         yield None
         return
+    from distributed import Client, LocalCluster  # a second, which few need
+
     with (
-        LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None) as cluster,
+        LocalCluster(
+            n_workers=count,
+            threads_per_worker=1,
+            dashboard_address=None,
+            silence_logs=logging.CRITICAL,  # workers that are told to end, and take their time
+        ) as cluster,
         Client(cluster) as made,
     ):
         yield made
 
 
+def _client() -> "Client | None":
+    """The client of this process; None where it has none."""
+    if "distributed" not in sys.modules:
+        return None
+    from distributed import get_client
+
+    try:
+        return get_client()
+    except ValueError:
+        return None
+
+
 def _results(
-    tasks: Sequence[Task], store: Store, client: Client | None
+    tasks: Sequence[Task], store: Store, client: "Client | None"
 ) -> Iterator[tuple[Task, Outcome | Failure]]:
     """What becomes of each task, as it is done."""
     if client is None:
         for task in tasks:
             yield task, _outcome(task.key, perform(task, store.folder))
         return
+    from distributed import as_completed
+
+    folder = store.folder.resolve()  # workers may stand in other folders
     futures = {
-        client.submit(_perform_all, batch, store.folder, pure=False): batch
-        for batch in _batches(tasks)
+        client.submit(_perform_all, batch, folder, pure=False): batch
+        for batch in _batches(tasks, len(client.scheduler_info(n_workers=-1)["workers"]))
     }
     try:
         for future in as_completed(list(futures)):
             batch = futures[future]
-            if future.status == "finished":
-                answers: list[Any] = future.result()
-            else:
-                answers = [repr(future.exception())] * len(batch)
+            answers = (
+                future.result()
+                if future.status == "finished"
+                else [_after_loss(task, store, f"{future.exception()!r}") for task in batch]
+            )
             for task, answer in zip(batch, answers, strict=True):
                 yield task, _outcome(task.key, answer)
     finally:
         client.cancel(list(futures))
 
 
-def _batches(tasks: Sequence[Task]) -> list[list[Task]]:
+def _after_loss(task: Task, store: Store, cause: str) -> Outcome | str:
+    """What a batch whose workers died left of a task: its run, or the cause."""
+    return perform(task, store.folder) if task.key in store else cause
+
+
+def _batches(tasks: Sequence[Task], workers: int) -> list[list[Task]]:
     """Tasks in groups of some seconds, the longest task first."""
+    share = min(BATCH, sum(task.seconds for task in tasks) / (BATCHES * max(1, workers)))
     batches: list[list[Task]] = []
-    seconds = BATCH
+    seconds = share
     for task in sorted(tasks, key=lambda task: -task.seconds):
-        if seconds >= BATCH:
+        if seconds >= share:
             batches.append([])
             seconds = 0.0
         batches[-1].append(task)

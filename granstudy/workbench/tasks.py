@@ -1,20 +1,28 @@
 """What a worker gets: a run, or a call of the user's function, with the key it is kept under."""
 
 import hashlib
-import json
 import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
 import xarray as xr
 
+from granstudy.collision.choice.cheapest import choose_method
+from granstudy.collision.choice.grid import fit_solver
+from granstudy.collision.choice.methods import OPERATORS
+from granstudy.evolution.evolve import evolve
+from granstudy.particles.simulation import simulate_particles
 from granstudy.runs.computation import Computation
+from granstudy.runs.evaluate import evaluate
 from granstudy.runs.execute import Outcome, keep, obtain
 from granstudy.runs.store import Store
+from granstudy.states.solve import cooling_state
 from granstudy.support.fingerprint import fingerprint
-from granstudy.support.own_code.code import code_of
+from granstudy.support.own_code.code import code_of, name_of
+from granstudy.theory.cooling import haff_constant
 from granstudy.trust.flags import Status, flag_variable
 
 
@@ -78,33 +86,35 @@ class CallTask:
         return keep(self.key, store, self._call, _failed)
 
     def _call(self) -> xr.Dataset:
-        ds = self.function(**self.arguments)
+        ds, name = self.function(**self.arguments), name_of(self.function)
         if not isinstance(ds, xr.Dataset):
+            raise ValueError(f"{name}: returned {type(ds).__name__}, must return an xarray.Dataset")
+        if "status" in ds and ds["status"].values.tolist() not in list(Status):
             raise ValueError(
-                f"{getattr(self.function, '__name__', self.function)}: returned {type(ds).__name__}, "
-                "must return an xarray.Dataset"
+                f"{name}: its variable 'status' must say how a run ended; give it another name"
             )
         return ds
 
 
-def call_keys(
-    function: Callable[..., Any], points: list[dict[str, Any]], fixed: Mapping[str, Any]
-) -> list[str]:
-    """Key of a call at each point: a hash over the function's code, its arguments, and this package."""
-    code = code_of(function).digest
-    package = fingerprint(["granstudy.evolution.evolve", "granstudy.states.solve", __name__])
-    keys = []
-    for point in points:
-        described = json.dumps({**fixed, **point}, sort_keys=True, default=_plain)
-        keys.append(hashlib.sha256(f"{code}\n{described}\n{package}".encode()).hexdigest()[:32])
-    return keys
+def call_key(function: Callable[..., Any], arguments: Mapping[str, Any]) -> str:
+    """Key of a call: a hash over the function with all its arguments, by their content, and this package.
+
+    Raises
+    ------
+    ValueError
+        If the function or an argument has no content to be known by.
+    """
+    code = code_of(partial(function, **arguments)).digest
+    return hashlib.sha256(f"{code}\n{_package()}".encode()).hexdigest()[:32]
 
 
-def _plain(value: Any) -> Any:
-    """NumPy's numbers and arrays as Python's; other things by their code or their text."""
-    if hasattr(value, "tolist"):
-        return value.tolist()
-    return code_of(value).digest if callable(value) else repr(value)
+def _package() -> str:
+    """Fingerprint of all code that a function may compute with: every kind of run, by every method."""
+    rows = OPERATORS.values()
+    makers = [make for row in rows for make in (row.make, row.tuned) if make is not None]
+    functions = [*makers, evolve, simulate_particles, cooling_state, evaluate, haff_constant]
+    functions += [choose_method, fit_solver, _package]
+    return fingerprint(list(dict.fromkeys(function.__module__ for function in functions)))
 
 
 def _failed(reason: str) -> xr.Dataset:
@@ -117,4 +127,4 @@ def perform(task: Task, folder: Path) -> Outcome | str:
         return task.perform(Store(folder))
     except Exception as error:
         traceback.print_exc()
-        return f"{type(error).__name__}: {error}"
+        return ": ".join(filter(None, [type(error).__name__, str(error)]))

@@ -172,7 +172,7 @@ def test_a_flipped_bit_of_an_attribute_is_seen_in_the_head_too(run, tmp_path):
     path = tmp_path / "run.nc"
     gs.write_dataset(run, path)
     data = path.read_bytes()
-    assert data.count(b"Viscoelastic(A=0.1)") == 2
+    assert data.count(b"Viscoelastic(A=0.1)") == 1
     path.write_bytes(data.replace(b"Viscoelastic(A=0.1)", b"Viscoelastic(A=0.3)"))
     for read in (gs.read_dataset, read_head):
         with pytest.raises(DamagedFileError, match="do not match its checksum"):

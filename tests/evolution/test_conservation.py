@@ -5,7 +5,7 @@ import pytest
 
 import granstudy as gs
 from granstudy.collision import collision_operator
-from granstudy.evolution.conservation import projection
+from granstudy.evolution.conservation import Projection
 from granstudy.evolution.unknowns import collisions, representation
 
 SCENE = gs.load_scene("double_well2d", restitution=0.5, diffusion=0.0)
@@ -34,7 +34,7 @@ def moments(form, Q, names=("mass", "momentum", "energy")):
 )
 def test_what_is_conserved_vanishes_to_round_off(method, conserve):
     form, f, Q = drifting(method)
-    project = projection(form, conserve)
+    project = Projection(form, conserve)
     assert np.max(np.abs(moments(form, Q, conserve))) > 1e-3
     corrected = project(f, Q)
     assert np.max(np.abs(moments(form, corrected, conserve))) < 1e-13
@@ -45,7 +45,7 @@ def test_what_is_conserved_vanishes_to_round_off(method, conserve):
 def test_the_change_is_the_least():
     """Over the Maxwellian it is orthogonal to all that conserves: any other correction is a larger one."""
     form, f, Q = drifting("fast")
-    project = projection(form, ("mass", "momentum"))
+    project = Projection(form, ("mass", "momentum"))
     m = form.grid.velocity_moments(f)
     T, u = np.trace(m.pressure) / (2 * m.density), m.momentum / m.density
     M = np.exp(-sum((v - w) ** 2 for v, w in zip(form.grid.velocities(), u, strict=True)) / (2 * T))
@@ -59,7 +59,7 @@ def test_the_change_is_the_least():
 def test_it_leaves_the_tail_alone():
     """The change has the fourth moment of the gas, not of the box."""
     form, f, Q = drifting("fast")
-    change = projection(form, ("mass",))(f, Q) - Q
+    change = Projection(form, ("mass",))(f, Q) - Q
     grid = form.grid
     m = grid.velocity_moments(f)
     u = m.momentum / m.density
@@ -75,7 +75,7 @@ def test_a_radial_grid_weighs_its_nodes_and_has_no_momentum():
     grid = form.grid
     f = scene.density(grid)
     Q = np.random.default_rng(2).normal(size=24) * np.exp(-grid.nodes)
-    corrected = projection(form, ("mass", "momentum", "energy"))(f, Q)
+    corrected = Projection(form, ("mass", "momentum", "energy"))(f, Q)
     assert abs(grid.weights @ Q) > 1e-2
     assert abs(grid.weights @ corrected) < 1e-12
     assert abs(grid.weights @ (grid.nodes**2 * corrected)) < 1e-11

@@ -150,3 +150,66 @@ def test_hard_spheres_cool_by_haffs_law():
     ds = gs.simulate(scene, solver, t_final=2.0, dt=0.1, progress=False)
     C0 = fit_haff(ds["time"].values, ds["temperature"].values)[0]
     assert C0 == pytest.approx(0.1906, rel=0.03)
+
+
+@pytest.mark.parametrize("frame", ["fixed", "rescaled"])
+@pytest.mark.parametrize("scheme", ["rk3", "dopri54", "exponential"])
+@pytest.mark.parametrize("conserve", [(), ("mass", "energy")])
+@pytest.mark.parametrize("dt", [2.0, 10.0])
+def test_a_run_that_blows_up_ends_with_a_dataset(frame, scheme, conserve, dt):
+    """Overflow, division by zero and singular projections were errors that lost all that was computed."""
+    kernel = gs.hard_spheres(2)
+    scene = gs.load_scene("bkw2d", kernel=kernel, restitution=0.5, diffusion=0.1)
+    solver = gs.Solver(N=16, R=7.0, method="radial")
+    ds = gs.simulate(
+        scene,
+        solver,
+        t_final=40.0,
+        dt=dt,
+        frame=frame,
+        scheme=scheme,
+        conserve=conserve,
+        progress=False,
+    )
+    if int(ds["status"]) != 0:
+        assert ds["status"].attrs["reason"].startswith("step ")
+        assert "take a" in ds["status"].attrs["reason"]
+    assert ds["time"].values[0] == 0.0 and float(ds["temperature"][0]) == pytest.approx(1.0)
+    assert np.all(np.isfinite(ds["temperature"])) and int(ds["trust"]) == 0
+
+
+def test_a_run_that_blows_up_late_keeps_what_came_before():
+    kernel = gs.hard_spheres(2)
+    scene = gs.load_scene("bkw2d", kernel=kernel, restitution=0.5, diffusion=0.0)
+    solver = gs.Solver(N=16, R=7.0, N_rho=8, M_cir=8)
+    ds = gs.simulate(scene, solver, t_final=20.0, dt=0.5, progress=False)
+    assert int(ds["status"]) == 2 and ds.sizes["time"] > 10
+    assert "t = 11.5" in ds["status"].attrs["reason"]
+
+
+@pytest.mark.parametrize("frame", ["fixed", "rescaled"])
+def test_a_density_without_temperature_ends_with_its_moments(frame):
+    def negative(*v):
+        c2 = sum(vi**2 for vi in v)
+        return np.exp(-c2 / 2) * (2.2 - c2)
+
+    scene = gs.Scene(2, negative, gs.maxwell(2), restitution=0.5)
+    ds = gs.simulate(scene, small(N=16), t_final=1.0, dt=0.5, frame=frame, progress=False)
+    assert int(ds["status"]) == 2 and ds.sizes["time"] == 1 and int(ds["trust"]) == 0
+    assert float(ds["temperature"][0]) == pytest.approx(-9.0, rel=1e-3)
+    assert "t = 0: the temperature fell to -9" in ds["status"].attrs["reason"]
+
+
+def test_round_off_that_grows_within_a_step_does_not_break_the_symmetry():
+    """The run died of 'density does not have the symmetry, 1.1e-10 for 1e-10'."""
+    kernel = gs.VHS(0.5, gs.hard_spheres(2).strength)
+    scene = gs.load_scene(
+        "maxwellian2d", temperature=0.3, kernel=kernel, restitution=0.8, diffusion=0.1
+    )
+    time = {"t_final": 6.0, "progress": False}
+    solver = gs.Solver(N=48, R=8.0, N_rho=20, M_cir=16)
+    ds = gs.simulate(scene, solver, time_rtol=1e-4, **time)
+    truth = gs.simulate(scene, gs.Solver(N=40, R=8.0, method="radial"), time_rtol=1e-8, **time)
+    assert int(ds["status"]) == 0
+    assert float(ds["temperature"][-1]) == pytest.approx(float(truth["temperature"][-1]), rel=1e-7)
+    assert float(ds["a2"][-1]) == pytest.approx(float(truth["a2"][-1]), abs=1e-6)

@@ -1,5 +1,7 @@
 """Forecasts of runs, against the operators that the runs get."""
 
+import json
+
 import pytest
 from comparison import asymmetric_scene
 
@@ -89,3 +91,25 @@ def test_the_plan_of_a_study(load, tmp_path):
     assert [line.split(",")[0] for line in lines[1:]] == [
         "errors/M_cir~6/method~auto", "errors/reference", "errors/M_cir~8/method~auto",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("dim", "exponent", "strength", "e", "epsilon", "time"),
+    [
+        (3, 0.0, 30.0, 0.5, 0.1, {"t_final": 10.0, "time_rtol": 1e-6}),
+        (2, 1.0, 30.0, 0.9, 0.1, {"t_final": 10.0, "time_rtol": 1e-4}),
+        (3, 1.0, 1.0, 0.5, 0.0, {"t_final": 100.0, "time_rtol": 1e-6, "frame": "rescaled"}),
+        (2, 0.0, 1.0, 0.5, 0.3, {"t_final": 20.0, "time_rtol": 1e-5, "scheme": "rk3"}),
+        (3, 1.0, 1.0, 0.5, 0.2, {"t_final": 5.0, "time_rtol": 1e-7, "scheme": "exponential"}),
+    ],
+)
+def test_adaptive_steps_are_within_a_factor_3(dim, exponent, strength, e, epsilon, time):
+    """|S|C = 30 with ε = 0.1 made 5005 steps where 952 were planned."""
+    kernel = gs.VHS(exponent, strength * gs.hard_spheres(dim).strength)
+    scene = gs.load_scene(f"bkw{dim}d", kernel=kernel, restitution=e, diffusion=epsilon)
+    solver = gs.Solver(N=24, R=8.0, method="radial")
+    forecast = gs.plan(scene, solver, **time)
+    ds = gs.simulate(scene, solver, progress=False, **time)
+    assert int(ds["status"]) == 0
+    made = json.loads(ds.attrs["steps"])["evaluations"]
+    assert made / 3 < forecast.evaluations < 3 * made

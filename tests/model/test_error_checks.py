@@ -19,6 +19,16 @@ GOOD_SOLVER = {"N": 8, "R": 7.0}
         ({"N_rho": 0}, "N_rho=0: must be a positive integer"),
         ({"N_rho": None}, "N_rho=None: only method 'direct'"),
         ({"M_sph": "32"}, "M_sph='32': must be a positive integer"),
+        ({"M_sph": (6,)}, r"M_sph=\(6,\): must be a positive integer, or a pair"),
+        ({"M_sph": (6, 0)}, r"M_sph=\(6, 0\): must be a positive integer, or a pair"),
+        ({"R": True}, "R=True: must be a positive number"),
+        ({"R": "7"}, "R='7': must be a positive number"),
+        ({"N": np.True_}, "N=True: must be an even integer"),
+        ({"R": np.array([7.0])}, "R=array.*: must be a positive number"),
+        ({"circular": "yes", "method": "direct"}, "circular='yes': must be True or False"),
+        ({"sphere_rule": [5]}, r"sphere_rule=\[5\]: must be the name of a rule"),
+        ({"method": ["fast"]}, "unknown method"),
+        ({"rtol": True}, "rtol=True: must be a number"),
         ({"M_cir": 2.5}, "M_cir=2.5: must be a positive integer"),
         ({"threads": 0}, "threads=0: must be a positive integer"),
         ({"variant": "seperate"}, "unknown variant 'seperate' .did you mean 'separate'"),
@@ -113,7 +123,10 @@ def test_unknown_scene():
         gs.load_scene("bkw4d")
 
 
-@pytest.mark.parametrize(("exponent", "strength"), [(1.5, 1.0), (-0.1, 1.0), (0.0, 0.0)])
+@pytest.mark.parametrize(
+    ("exponent", "strength"),
+    [(1.5, 1.0), (-0.1, 1.0), (0.0, 0.0), ("a", 1), (1, "a"), (True, 1.0), (np.array([1.0]), 1.0)],
+)
 def test_kernel(exponent, strength):
     with pytest.raises(ValueError, match="exponent=|strength="):
         gs.VHS(exponent, strength)

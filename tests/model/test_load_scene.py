@@ -3,6 +3,7 @@
 import json
 from functools import partial
 
+import cloudpickle
 import numpy as np
 import pytest
 from own_functions import in_file, in_notebook
@@ -10,6 +11,7 @@ from own_functions import in_file, in_notebook
 import granstudy as gs
 
 FILE = '''
+import cloudpickle
 import numpy as np
 import granstudy as gs
 
@@ -226,3 +228,13 @@ def test_numbers_of_numpy_become_numbers_of_python():
     assert {type(value) for value in scene.coordinates().values()} == {float, str}
     assert repr(gs.Viscoelastic(np.float64(0.1))) == "Viscoelastic(A=0.1)"
     assert gs.Scene(np.int64(2), "bkw2d", gs.VHS(np.int64(0), np.float64(0.1))).dim == 2
+
+
+def test_a_scene_says_the_same_in_another_process():
+    cell = in_notebook(FILE + "\nbright = lambda v: 1 - 0.1 * v\n")
+    scene = gs.Scene(2, cell["anisotropic"], gs.maxwell(2), cell["bright"])
+    sent = cloudpickle.loads(cloudpickle.dumps(scene))
+    assert sent.initial is not scene.initial
+    assert sent.describe() == scene.describe()
+    assert sent.source == scene.source and "def anisotropic" in sent.source
+    assert sent.coordinates() == scene.coordinates()

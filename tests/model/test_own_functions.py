@@ -5,6 +5,8 @@ import multiprocessing
 import pickle
 from dataclasses import dataclass
 
+import cloudpickle
+import dask.base
 import numpy as np
 import pytest
 from own_functions import in_file, in_notebook
@@ -155,3 +157,17 @@ def test_other_processes_get_them(tmp_path):
             assert pool.apply(density_at, (density,)) == (X * Y * 3.0).tolist()
     law = own_law(constant_law, {"kappa": 0.3})
     assert pickle.loads(pickle.dumps(law)) == law
+
+
+def test_dask_knows_them_by_content_and_leaves_their_classes_alone(tmp_path):
+    in_file(
+        tmp_path,
+        "from dataclasses import dataclass\n\n@dataclass(frozen=True)\nclass Soft:\n    A: float\n"
+        "    def __call__(self, v):\n        return 1 - self.A * v\n",
+    )
+    law = own_law(load_function("my_gas.py:Soft", tmp_path), {"A": 0.1})
+    first = dask.base.tokenize(law)
+    assert first == dask.base.tokenize(own_law(law.function, {"A": 0.1}))
+    assert first != dask.base.tokenize(own_law(law.function, {"A": 0.2}))
+    cloudpickle.loads(cloudpickle.dumps(law.function.own_function))
+    assert load_function("my_gas.py:Soft", tmp_path) == law.function

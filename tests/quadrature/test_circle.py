@@ -44,3 +44,9 @@ def test_plane_wave_converges_faster_than_any_power():
 def test_bad_input_is_named(M_cir):
     with pytest.raises(ValueError, match=f"M_cir={M_cir!r}: must be a positive integer"):
         circle_rule(M_cir)
+
+
+def test_more_points_than_any_grid_resolves_are_refused():
+    assert len(circle_rule(2**16)) == 2**16
+    with pytest.raises(ValueError, match="M_cir=100000000: at most 65536; .* takes about 12 GB"):
+        circle_rule(10**8)

@@ -101,6 +101,7 @@ def test_legendre_ignores_the_exponent():
         ((0, 1.0), "N_rho=0: must be a positive integer"),
         ((3.0, 1.0), "N_rho=3.0: must be a positive integer"),
         ((True, 1.0), "N_rho=True: must be a positive integer"),
+        ((10**6, 1.0), "N_rho=1000000: at most 4096; the nodes are eigenvalues"),
         ((3, 0.0), "R=0.0: must be a positive number"),
         ((3, np.nan), "R=nan: must be a positive number"),
         ((3, 1.0, "jacobi", -1.0), "exponent=-1.0: must be a number above -1"),

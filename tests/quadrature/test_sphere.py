@@ -141,20 +141,38 @@ def test_a_file_is_read_and_its_degree_measured(unit_vectors):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("1 0 0\n0 1.00001 0\n", "row 1 has a length off 1 by 1.0e-05; must be unit vectors"),
-        ("1 0\n0 1\n", "shape (2, 2); must be finite unit vectors, 3 columns"),
-        ("1 0 0\n0 nan 0\n", "shape (2, 3); must be finite unit vectors"),
-        ("", "must be finite unit vectors, 3 columns"),
-        ("1 0 0\n0 1\n", "not a table of numbers"),
-        ("x y z\n", "not a table of numbers"),
+        (
+            b"1 0 0\n# x\n0 1.00001 0 # y\n",
+            ", line 3: '0 1.00001 0' has a length off 1 by 1.0e-05; must be a unit vector within 1e-12",
+        ),
+        (b"1 0\n0 1\n", ", line 1: '1 0' must be three finite numbers"),
+        (b"1 0 0\n\n0 nan 0\n", ", line 3: '0 nan 0' must be three finite numbers"),
+        (b"1 0 0\n0 1\n", ", line 2: '0 1' must be three finite numbers"),
+        (b"x y z\n", ", line 1: 'x y z' must be three finite numbers"),
+        (b"# nothing\n\n", ": has no line with a unit vector"),
+        (b"", ": has no line with a unit vector"),
+        (b"0 " * 1000, ", line 1: '" + "0 " * 40 + "...' must be three finite numbers"),
+        (b"\xff\xfe1", ": cannot be read as text"),
     ],
 )
-def test_a_bad_file_is_named(tmp_path, text, message):
+def test_a_bad_file_and_its_line_are_named(tmp_path, text, message):
     path = tmp_path / FILE
-    path.write_text(text)
+    path.write_bytes(text)
     with pytest.raises(ValueError, match=re.escape(message)) as raised:
         sphere_rule(None, path)
-    assert f"sphere_rule={str(path)!r}" in str(raised.value)
+    assert str(raised.value).startswith(f"sphere_rule={str(path)!r}")
+
+
+@pytest.mark.parametrize(
+    ("M_sph", "message"),
+    [
+        ((100000, 100000), "N_theta * N_phi=10000000000: at most 65536"),
+        ((5000, 1), "N_theta=5000: at most 4096; the nodes are eigenvalues"),
+    ],
+)
+def test_sizes_that_no_machine_needs_are_refused_before_they_are_made(M_sph, message):
+    with pytest.raises(ValueError, match=re.escape(f"M_sph={M_sph}: {message}")):
+        sphere_rule(M_sph, "gauss-theta-phi")
 
 
 @pytest.mark.parametrize("M_sph", [11, 12.0, True, (12, 1)])

@@ -3,6 +3,9 @@
 import pytest
 from studies import code
 
+from granstudy.model.load_scene import load_scene
+from granstudy.model.solver import Solver
+from granstudy.runs.computation import Computation
 from granstudy.runs.run_key import run_key, run_keys
 from granstudy.support.fingerprint import fingerprint
 
@@ -192,3 +195,13 @@ def test_runs_with_a_tolerance_depend_on_how_their_quadrature_is_chosen(package)
     package.edit("collision/fast/gain.py", "import ", "import math, ")
     assert code("evolution", rtol=0.01) != planned
     assert changed(before) == {(kind, "fast") for kind in KINDS}
+
+
+def test_a_run_follows_the_content_of_a_file_of_directions(tmp_path):
+    path = tmp_path / "nodes.txt"
+    keys = []
+    for text in ("1 0 0\n", "0 1 0\n", "1 0 0\n"):
+        path.write_text(text)
+        solver = Solver(N=8, R=7.0, M_sph=1, sphere_rule=str(path))
+        keys.append(Computation("collision", load_scene("bkw3d"), solver).parameters)
+    assert keys[0] == keys[2] != keys[1]

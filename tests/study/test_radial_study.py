@@ -25,7 +25,7 @@ experiments:
 def test_runs_are_written_and_opened_together(load, tmp_path):
     for name, run in load().runs["cooling"].items():
         gs.write_dataset(execute(run.computation, threads=1), tmp_path / "runs" / f"{name}.nc")
-    runs = gs.unstack_runs(gs.open_runs(tmp_path / "runs"))
+    runs = gs.unstack_runs(gs.open_runs(tmp_path / "runs", densities=True))
     assert runs["f"].dims == ("e", "snapshot", "r")
     assert runs["f"].sizes == {"e": 2, "snapshot": 2, "r": 16}
     T = runs["temperature"].isel(time=-1)

@@ -1,10 +1,12 @@
 """The cache: computed once, whole or not at all, damage noticed, many runs at a time."""
 
 import os
+import shutil
 import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import platformdirs
@@ -54,6 +56,15 @@ def test_a_changed_byte_is_noticed(folder, place):
     content = bytearray(path.read_bytes())
     content[place] ^= 1
     path.write_bytes(content)
+    np.testing.assert_array_equal(cached_array("a", lambda: ARRAY), ARRAY)
+    np.testing.assert_array_equal(cached_array("a", never), ARRAY)
+
+
+@pytest.mark.parametrize("other", [2 * ARRAY, ARRAY[:6, :5]], ids=["equal shape", "smaller"])
+def test_the_file_of_another_array_is_refused(folder, other):
+    cached_array("b", lambda: other)
+    cached_array("a", lambda: ARRAY)
+    shutil.copy(folder / "b.npy.sha256", folder / "a.npy.sha256")
     np.testing.assert_array_equal(cached_array("a", lambda: ARRAY), ARRAY)
     np.testing.assert_array_equal(cached_array("a", never), ARRAY)
 
@@ -111,8 +122,23 @@ def test_processes_that_compute_the_same_tensor(folder):
 def test_a_folder_that_cannot_be_written_to_is_said(monkeypatch, tmp_path):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("GRANSTUDY_CACHE", str(tmp_path / "file" / "cache"))
-    with pytest.warns(UserWarning, match="cannot keep computed arrays there.*Set GRANSTUDY_CACHE"):
+    with pytest.warns(UserWarning, match="cannot keep computed arrays .*Set GRANSTUDY_CACHE"):
         assert cached_array("a", lambda: ARRAY) is ARRAY
+
+
+def test_a_user_without_a_home_is_told(monkeypatch, tmp_path):
+    for name in ("GRANSTUDY_CACHE", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.chdir(tmp_path)
+
+    def unknown(*args, **kwargs):
+        raise RuntimeError("could not determine the home directory")
+
+    for answer in (unknown, lambda *args, **kwargs: Path("~/.cache/granstudy")):
+        monkeypatch.setattr("granstudy.support.cache.user_cache_path", answer)
+        with pytest.warns(UserWarning, match="home directory.*Set GRANSTUDY_CACHE"):
+            assert cached_array("a", lambda: ARRAY) is ARRAY
+    assert files(tmp_path) == []
 
 
 def test_the_folder_is_the_platforms_unless_one_is_named(monkeypatch, tmp_path):

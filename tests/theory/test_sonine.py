@@ -71,3 +71,21 @@ def test_arguments_outside_their_range(law):
         law(0.5, 4)
     with pytest.raises(ValueError, match="exponent=2.0: must lie between 0 and 1"):
         law(0.5, 3, 2.0)
+
+
+@given(st.floats(0.0, 1.0), st.sampled_from([2, 3]))
+def test_the_relaxation_of_a2_is_exact_for_maxwell_molecules(e, dim):
+    # a2' = const − r a2 at ε = 0 and ν = 1: the difference of two gases decays at r
+    pressure = np.eye(dim)
+    first, second = (theory.maxwell_a2(np.array([0.0, 2.0]), pressure, a2, e) for a2 in (0.0, 0.3))
+    decay = -np.log((second[1] - first[1]) / 0.3) / 2.0
+    assert theory.a2_relaxation_rate(e, dim, 0.0) == pytest.approx(decay, rel=1e-8)
+
+
+def test_the_relaxation_of_a2_of_hard_spheres_as_published():
+    # van Noije & Ernst: a2' = (4/d) μ_2 [.. − ((T_2)/(d+2) − 19/16) a2], T'/T = −(2/d) μ_2 = −(1 − e²)ν/3
+    e = 0.4
+    T2 = 3 / 32 * (69 + 10 * e**2) + 2 / (1 - e)
+    cooling = (1 - e**2) / 3
+    expected = 2 * cooling * (T2 / 5 - 19 / 16)
+    assert theory.a2_relaxation_rate(e) == pytest.approx(expected, rel=1e-12)

@@ -68,7 +68,8 @@ def test_labels_and_estimates_are_right(law, N, R, settings):
         float(ds[f"{name}_error_estimate"][-1]) for name in ("temperature", "a2")
     )
     assert T_error < 3 * T_estimate + 1e-6
-    assert a2_error < 3 * a2_estimate + 1e-5
+    # beyond an error of 1 the gas is lost, and the estimate says 1
+    assert min(a2_error, 1.0) < 3 * a2_estimate + 1e-5
 
 
 def power_law(N, R):
@@ -93,7 +94,7 @@ def test_what_the_grid_leaves_out_of_the_initial_density_is_estimated(N, R):
         assert "a2 may be off" in ds["trust"].attrs["reasons"]
 
 
-def test_a_density_that_states_nothing_is_taken_as_the_grid_has_it():
+def test_a_density_that_states_nothing_is_compared_with_a_finer_grid():
     named = gs.load_scene("bkw3d", **LAWS["Maxwell"])
 
     def density(*v):
@@ -107,7 +108,7 @@ def test_a_density_that_states_nothing_is_taken_as_the_grid_has_it():
         for name in ("temperature_error_estimate", "temperature")
     ]
     assert first[0] == pytest.approx(abs(first[1] - 1.0)) and first[0] > 1e-3
-    assert first[2] == 0.0
+    assert first[2] == pytest.approx(first[0], rel=1e-9)
 
 
 def test_every_label_is_given():

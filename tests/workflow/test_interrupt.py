@@ -78,7 +78,7 @@ def test_while_a_table_is_made(tiny, kind):
     terminal.wait(lambda: tiny.table == "half")
     send(kind, terminal)
     ends_at_once(terminal, tiny)
-    assert tiny.table == "half"
+    assert tiny.table is None, "Snakemake removes what is half-written"
     goes_on(tiny, tiny.computed)
 
 

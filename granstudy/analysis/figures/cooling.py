@@ -17,6 +17,12 @@ from granstudy.theory import haff_temperature
 SAMPLES = 20
 """Markers of a run; the line between them is the fit's, so that the two can be told apart."""
 
+BESIDE_CURVES = 3
+"""Runs up to which the legend has room between the curves; that of more stands below, two runs a row."""
+
+ROW = 0.2
+"""Height of a row of the legend, in inches."""
+
 ASKED = 1e-3
 """Distance from −2/λ that the local slope has to fall below."""
 
@@ -62,7 +68,9 @@ def draw_cooling(source: FigureSource) -> Figure:
     Without a fit, λ is 1 there.
     """
     table = source.table
-    figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 0.4), layout="constrained")
+    rows = -(-table.sizes["run"] // 2) if table.sizes["run"] > BESIDE_CURVES else 0
+    height = PANEL_HEIGHT + 0.4 + ROW * rows
+    figure = Figure(figsize=(WIDTH, height), layout="constrained")
     left, right = figure.subplots(1, 2)
     names = distinguishing(table, table.attrs["swept"].split())
     runs = open_runs(source.row_files)
@@ -86,8 +94,12 @@ def draw_cooling(source: FigureSource) -> Figure:
             left.plot(time, haff_temperature(time, T0, C0, exponents[i]), label=law, **dashed)
             right.plot(time[sampled], C0 * time[sampled], **dashed)
     left.set(xlabel="$t$", ylabel=symbol("temperature"), ylim=(0.0, None), xlim=(0.0, None))
-    left.set_title("temperature and fitted Haff laws")
-    left.legend()
+    left.set_title("temperature" + (" and fitted Haff laws" if "C0" in table else ""))
+    if rows:
+        handles = left.get_legend_handles_labels()
+        figure.legend(*handles, loc="outside lower center", ncols=4)
+    else:
+        left.legend()
     right.set(xlabel="$t$", ylabel=_law_of(exponents), xscale="log", yscale="log")
     right.set_title("Haff's law is a line of slope 1")
     return figure

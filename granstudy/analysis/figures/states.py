@@ -49,21 +49,30 @@ def check_states(source: FigureSource) -> None:
 
 
 def draw_states(source: FigureSource) -> Figure:
-    """Draw a2 against e, a column a table; below, particles less a2, or the error of a2."""
+    """Draw a2 against e, a column a table; below, where a table has it, particles less a2 or a2's error."""
     tables = [source.table, *source.beside]
-    figure = Figure(figsize=(WIDTH, 1.75 * PANEL_HEIGHT + 0.9), layout="constrained")
-    axes = figure.subplots(2, len(tables), squeeze=False, sharex="col", height_ratios=[3, 2])
-    for (upper, lower), table in zip(axes.T, tables, strict=True):
+    compared = any("a2_error" in table or _beside(table) for table in tables)
+    ratios = [3, 2] if compared else [3]
+    height = 0.35 * sum(ratios) * PANEL_HEIGHT + 0.9
+    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    axes = figure.subplots(
+        len(ratios), len(tables), squeeze=False, sharex="col", height_ratios=ratios
+    )
+    for (upper, *below), table in zip(axes.T, tables, strict=True):
         exact = "a2_error" in table
         _theories(upper, table)
         for part, look in _groups(table):
             _states(upper, part, "a2", look)
-            if exact:
-                _states(lower, part, "a2_error", look)
-        _particles(upper, lower, table)
         upper.set_title(table.attrs["title"])
         upper.set_ylabel(symbol("a2"))
-        lower.set_xlabel(symbol("e"))
+        (below or [upper])[-1].set_xlabel(symbol("e"))
+        if not below:
+            continue
+        (lower,) = below
+        if exact:
+            for part, look in _groups(table):
+                _states(lower, part, "a2_error", look)
+        _particles(upper, lower, table)
         if exact:
             lower.axhline(ASKED, color="0.6", linewidth=0.8, linestyle="--")
             lower.set(yscale="log", ylabel=symbol("a2_error"))
@@ -125,10 +134,14 @@ def _states(ax: Axes, part: xr.Dataset, name: str, look: dict[str, Any]) -> None
         ax.plot([], [], **hollow | {"color": "0.3", "marker": "o", "label": NOT_TRUSTED})
 
 
+def _beside(table: xr.Dataset) -> list[str]:
+    """Experiments of particles that stand beside the states of a table."""
+    return [n for n in table.attrs.get("beside", "").split() if f"a2_{n}_standard_error" in table]
+
+
 def _particles(upper: Axes, lower: Axes, table: xr.Dataset) -> None:
     """Draw the particles' numbers, with two standard errors either way."""
-    beside = [n for n in table.attrs.get("beside", "").split() if f"a2_{n}_standard_error" in table]
-    for name in beside:
+    for name in _beside(table):
         bars = 2.0 * table[f"a2_{name}_standard_error"]
         look: dict[str, Any] = {"color": "black", "linestyle": "none", "marker": "_", "zorder": 4}
         look |= {"capsize": 2.5, "elinewidth": 0.9, "markersize": 5.0}

@@ -11,11 +11,11 @@ from granstudy.analysis.source import Row, TableSource
 from granstudy.analysis.tables.fits import FITS
 from granstudy.datasets.netcdf import read_dataset
 from granstudy.datasets.open_runs import final_values
+from granstudy.model.identity import coordinate
 from granstudy.model.methods import METHODS
 from granstudy.particles.dataset import BY_BATCH, time_average
 from granstudy.study.run import canonical
 from granstudy.study.schema.experiment import AverageModel, EvolutionExperiment
-from granstudy.study.schema.words import coordinate
 from granstudy.support.errors import unknown_name
 from granstudy.support.variables import Variable, labelled
 from granstudy.trust.flags import Status

@@ -1,11 +1,10 @@
 """Compiled loops of the Carleman form: a share of its sum of products."""
 
-import numba
-
 from granstudy.collision.fourier.fftw import BACKWARD, execute
+from granstudy.support.compiled import compiled
 
 
-@numba.njit(nogil=True, cache=True)
+@compiled(forceinline=True)
 def filter_modes(f_hat, weights, odd, turn, counts, starts, out):
     """out = weights f̂ on the ball of modes, times i·turn where ``odd``; 0 on all other modes."""
     nx, ny, nz = f_hat.shape
@@ -24,7 +23,7 @@ def filter_modes(f_hat, weights, odd, turn, counts, starts, out):
                 out[i, j, k] = 0.0
 
 
-@numba.njit(nogil=True, cache=True, fastmath={"contract"})
+@compiled(fastmath={"contract"}, forceinline=True)
 def add_product(first, second, total):
     """Add first·second to ``total`` (n n', n). In-place transforms pad the rows of both factors."""
     rows, n = total.shape
@@ -33,7 +32,7 @@ def add_product(first, second, total):
             total[j, k] += first[j, k] * second[j, k]
 
 
-@numba.njit(nogil=True, cache=True)
+@compiled()
 def sum_products(
     f_hat, of_l, of_m, odd, counts, starts, a_spectrum, b_spectrum, a, b, a_plans, b_plans, gain
 ):

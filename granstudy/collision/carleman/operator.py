@@ -8,6 +8,8 @@ Scanlon, Reese & Zhang, J. Comput. Phys. 250, 27 (2013)). Every product takes tw
 for each pair ±e; f alone is transformed forward.
 """
 
+from typing import Any
+
 import numpy as np
 
 from granstudy.collision.carleman.filters import ball_modes, half_rule, tabulate
@@ -15,11 +17,12 @@ from granstudy.collision.carleman.loops import filter_modes, sum_products
 from granstudy.collision.carleman.scenes import check_scene
 from granstudy.collision.carleman.weights import loss_profile, products
 from granstudy.collision.fourier.fftw import BACKWARD, alternate
-from granstudy.collision.fourier.threads import SHARES, Bounds, Workers, split
+from granstudy.collision.fourier.threads import SHARES, Bounds, OneAtATime, Workers, split
 from granstudy.collision.fourier.transforms import RealTransforms
 from granstudy.collision.protocol import check_state
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver
+from granstudy.quadrature import Rule
 
 
 class CarlemanOperator:
@@ -31,6 +34,11 @@ class CarlemanOperator:
         full       the gain's directions and products              conserved to round-off
         separate   integrated over directions to convergence       conserved as far as the gain has converged
 
+    Parameters
+    ----------
+    rule : Rule, optional
+        One direction of each pair ±e, by default of the solver's rule (`half_rule`).
+
     Raises
     ------
     ValueError
@@ -38,7 +46,7 @@ class CarlemanOperator:
         nor Maxwell molecules in 2D.
     """
 
-    def __init__(self, scene: Scene, solver: SizedSolver) -> None:
+    def __init__(self, scene: Scene, solver: SizedSolver, rule: Rule | None = None) -> None:
         e = check_scene(scene)
         self.grid = grid = solver.grid(scene.dim)
         self._shape = grid.three_axis_shape
@@ -47,7 +55,9 @@ class CarlemanOperator:
         k2, place = np.unique(np.square(wavenumbers).sum(axis=1), return_inverse=True)
         k = np.pi / grid.L * np.sqrt(k2)
         terms = products(scene.kernel, e, grid, float(k[-1]))
-        rule = half_rule(scene, solver)
+        rule = half_rule(scene, solver) if rule is None else rule
+        self._recipe = scene, solver, rule
+        self._one_at_a_time = OneAtATime()
         self._filters = tabulate(terms, rule, np.pi / grid.L * wavenumbers)
         self._loss = (
             self._filters.loss if solver.variant == "full" else loss_profile(terms, grid, k)[place]
@@ -61,13 +71,16 @@ class CarlemanOperator:
         if np.iscomplexobj(f):
             raise ValueError(f"density has type {f.dtype}: method 'carleman' takes real densities")
         f = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
-        f_hat = self._single.forward(f)
-        f_hat /= f.size
-        self._workers.map(lambda share, work: self._sum_share(f_hat, share, work), self._shares)
-        Q = self._gains.sum(axis=0)
-        filter_modes(f_hat, self._loss, False, 1, self._counts, self._starts, self._single.spectrum)
-        self._single.execute_backward()
-        Q -= f * self._single.density
+        with self._one_at_a_time:
+            f_hat = self._single.forward(f)
+            f_hat /= f.size
+            self._workers.map(lambda share, work: self._sum_share(f_hat, share, work), self._shares)
+            Q = self._gains.sum(axis=0)
+            filter_modes(
+                f_hat, self._loss, False, 1, self._counts, self._starts, self._single.spectrum
+            )
+            self._single.execute_backward()
+            Q -= f * self._single.density
         return Q.reshape(self.grid.shape)
 
     def transform(self) -> None:
@@ -79,9 +92,14 @@ class CarlemanOperator:
             work.of_l.spectrum[...] = 0.0
             work.of_m.spectrum[...] = 0.0
 
-        self._single.execute_forward()
-        self._workers.map(transform_share, self._shares)
-        self._single.execute_backward()
+        with self._one_at_a_time:
+            self._single.execute_forward()
+            self._workers.map(transform_share, self._shares)
+            self._single.execute_backward()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled is what the operator is made from: the scene, the solver, the directions."""
+        return type(self), self._recipe
 
     def _plan(self, threads: int) -> None:
         """Divide the products into shares, and give every thread its buffers and transforms."""

@@ -33,6 +33,12 @@ dimension, to densities that their grid resolves, within a factor 2."""
 ORBIT_POWER = 0.6
 """Power of a group's order that divides the number of nodes: many orbits are smaller than the group."""
 
+TABLE_CELLS = 20.0
+"""Cells of the table of `direct`, over the largest phase R|m−αk|."""
+
+NUMBERS_PER_NODE = 8.0
+"""Numbers that `fast` keeps of a node."""
+
 SERIES_FACTOR = {2: 5.5, 3: 5.0}
 """Time of `fast` with a restitution law, over its time at constant e, by dimension."""
 
@@ -80,7 +86,10 @@ def _literal_nodes(scene: Scene, solver: SizedSolver) -> int:
 
 def _literal_numbers(scene: Scene, solver: SizedSolver, transforms: int) -> float:
     assert solver.N_rho is not None
-    return (40.0 + solver.N_rho) * _grid_points(scene, solver)
+    nodes, points = _literal_nodes(scene, solver), _grid_points(scene, solver)
+    phases = 4.0 * nodes * scene.dim * solver.N  # of the shifts and of the gain
+    weights = 2.0 * nodes * points if callable(scene.restitution) else phases
+    return (40.0 + solver.N_rho) * points + phases + weights
 
 
 LITERAL = MethodCost(
@@ -103,12 +112,22 @@ def _direct_seconds(scene: Scene, solver: SizedSolver, transforms: int, n: int) 
     return SECONDS_PER_CALL + shells * SECONDS_PER_SHELL + pairs * SECONDS_PER_PAIR
 
 
+def _direct_numbers(scene: Scene, solver: SizedSolver, transforms: int) -> float:
+    """The spectra, and a table of the weight over magnitudes and radii; for a law over degrees as well."""
+    phase = math.pi * math.sqrt(scene.dim) * solver.N * solver.R / solver.grid(scene.dim).L
+    radii = solver.N_rho or 32 + 0.6 * phase
+    table = 6.0 * TABLE_CELLS * phase * radii
+    if callable(scene.restitution):
+        table = SHELLS[scene.dim] * solver.N**2 * radii * (40.0 + phase / 2)
+    return 40.0 * _grid_points(scene, solver) + table
+
+
 DIRECT = MethodCost(
     nodes=lambda scene, solver: 0,
     transforms=lambda scene, solver: 2,
     seconds=_direct_seconds,
     setup=lambda scene, solver, each: SETUP_SECONDS,
-    numbers=lambda scene, solver, transforms: 40.0 * _grid_points(scene, solver),
+    numbers=_direct_numbers,
     efficiency=0.9,
 )
 
@@ -129,7 +148,7 @@ def _reduced_count(scene: Scene, solver: SizedSolver) -> int:
     if scene.dim == 2:
         return _reduced_circle(solver.M_cir, scene.symmetry)
     size = tuple(solver.M_sph) if isinstance(solver.M_sph, list) else solver.M_sph
-    return _reduced_sphere(size, solver.sphere_rule, scene.symmetry)
+    return _reduced_sphere(size, solver.sphere_rule, solver.sphere_rule_sha256, scene.symmetry)
 
 
 @cache
@@ -138,7 +157,10 @@ def _reduced_circle(M_cir: int, group: Symmetry) -> int:
 
 
 @cache
-def _reduced_sphere(M_sph: int | tuple[int, int], name: str, group: Symmetry) -> int:
+def _reduced_sphere(
+    M_sph: int | tuple[int, int], name: str, content: str | None, group: Symmetry
+) -> int:
+    """The count for a rule; ``content`` tells files of one name apart."""
     return len(reduce_directions(sphere_rule(M_sph, name), group)[1])
 
 
@@ -159,8 +181,15 @@ def _fast_setup(scene: Scene, solver: SizedSolver, each: float) -> float:
 
 
 def _fast_numbers(scene: Scene, solver: SizedSolver, transforms: int) -> float:
-    planning = 0.0 if solver.rtol is None else PLANNING_MEMORY
-    return (40.0 + planning) * _grid_points(scene, solver)
+    points = _grid_points(scene, solver)
+    numbers = 40.0 * points + NUMBERS_PER_NODE * _fast_nodes(scene, solver)
+    if solver.rtol is not None:
+        return numbers + PLANNING_MEMORY * points
+    if callable(scene.restitution):
+        assert solver.N_rho is not None
+        phase = math.pi * math.sqrt(scene.dim) / 2 * solver.N * solver.R / solver.grid(scene.dim).L
+        numbers += 3.0 * solver.N_rho * SHELLS[scene.dim] * solver.N**2 * (12.0 + 0.3 * phase)
+    return numbers
 
 
 FAST = MethodCost(

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from granstudy.collision.carleman import scenes as carleman_scenes
 from granstudy.collision.carleman.operator import CarlemanOperator
-from granstudy.collision.choice.cost import MethodCost
+from granstudy.collision.choice.cost import MethodCost, estimate
 from granstudy.collision.choice.method_costs import CARLEMAN, DIRECT, FAST, LITERAL, RADIAL
 from granstudy.collision.direct import DirectOperator
 from granstudy.collision.fast.adaptive.operator import AdaptiveOperator
@@ -23,6 +23,7 @@ from granstudy.collision.rules import directions
 from granstudy.model.isotropy import check_isotropic
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver, Solver
+from granstudy.support.machine import check_memory
 
 Make = Callable[[Scene, SizedSolver], CollisionOperator]
 """(scene, solver) ↦ its operator."""
@@ -100,6 +101,19 @@ def maker(solver: Solver) -> Make:
     make = tuned if solver.rtol is not None and tuned is not None else plain
     assert make is not None  # the solver has checked that its method takes the device
     return make
+
+
+def check_fits(scene: Scene, solver: SizedSolver) -> None:
+    """Raise ValueError, before anything large is allocated, for an operator that memory cannot hold."""
+    needed = estimate(OPERATORS[solver.method].cost, scene, solver, evaluations=1).memory_mb
+    sizes = solver.coordinates(scene.dim)
+    played = {"N", "N_rho", "M_cir", "M_sph"} - solver.traits.unused
+    shown = [name for name in sizes if name in played]
+    check_memory(
+        ", ".join(f"{name}={sizes[name]}" for name in shown),
+        needed * 2.0**20,
+        f"an operator of method {solver.method!r} must fit; take a smaller size",
+    )
 
 
 def check(scene: Scene, solver: SizedSolver) -> None:

@@ -12,7 +12,7 @@ f(v)f(v+g) is f(v)f(v−g) displaced by g. The weight of a pair is real up to th
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -81,6 +81,7 @@ class GainSum:
         shares: Sequence[Bounds] | None = None,
         precision: str = "double",
     ) -> None:
+        self._recipe = scene, grid, nodes, threads, shares, precision
         self.grid = grid
         self.real = REAL[precision]
         self.nodes = nodes
@@ -132,6 +133,10 @@ class GainSum:
             work.transforms.spectrum[...] = 0.0
 
         self._workers.map(transform_share, self.shares)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled is what the sum is made from, nodes included."""
+        return type(self), self._recipe
 
     def _choose_weight(self, scene: Scene, k2: np.ndarray) -> Callable[..., None]:
         """The compiled sum with the weight 2P of a constant restitution, or of a law."""

@@ -7,15 +7,19 @@ exponential: no array of n^d phases is formed. The loops take both precisions. P
 precision, sums over modes in the precision of the spectra.
 """
 
-import numba
 import numpy as np
 
 from granstudy.collision.fourier.fftw import BACKWARD, FORWARD, execute
+from granstudy.support.compiled import compiled
 
-_compile = numba.njit(nogil=True, cache=True, fastmath={"contract", "nsz", "arcp", "reassoc"})
+FASTMATH = {"contract", "nsz", "arcp", "reassoc"}
+"""Freedoms of the compiler: sums in any order, fused multiplication and addition, no sign of zero."""
+
+_compile = compiled(fastmath=FASTMATH)
+_inline = compiled(fastmath=FASTMATH, forceinline=True)
 
 
-@_compile
+@_inline
 def phase_vector(angle, n, re, im):
     """re + i·im = e^{i·angle·k} for the wavenumbers k of one dimension of n points, in FFT order.
 
@@ -37,7 +41,7 @@ def phase_vector(angle, n, re, im):
         im[k] = -im[n - k]
 
 
-@_compile
+@_inline
 def phase_plane(gy, gz, scale, n, ny, re, im):
     """re + i·im = scale · e^{i(k_y g_y + k_z g_z)} over the modes (k_y, k_z), flattened."""
     nz = n // 2 + 1
@@ -52,7 +56,7 @@ def phase_plane(gy, gz, scale, n, ny, re, im):
             im[j * nz + k] = a * zi[k] + b * zr[k]
 
 
-@_compile
+@_inline
 def shift(f_re, f_im, g, out):
     """out = e^{−i k·g} f̂, the spectrum of the density displaced by g.
 
@@ -74,7 +78,7 @@ def shift(f_re, f_im, g, out):
             out[i, 2 * q + 1] = phase_re * f_im[i, q] + phase_im * f_re[i, q]
 
 
-@_compile
+@_inline
 def multiply(density, f):
     """density *= f over rows (n n', n). An in-place transform pads the rows of ``density``."""
     rows, n = f.shape
@@ -92,7 +96,7 @@ def subtract_loss(gain, f, lost, Q):
             Q[j, k] = gain[j, k] - f[j, k] * lost[j, k]
 
 
-@_compile
+@_inline
 def product(f_re, f_im, f, g, parts, rows, plans):
     """parts = spectrum of f(v) f(v−g), shape (n, 2m). ``rows`` is the same memory as a density."""
     shift(f_re, f_im, g, parts)
@@ -154,7 +158,7 @@ def sum_pairs(
         opens = closes
 
 
-@_compile
+@_inline
 def pair_weight(c0, s0, c1, s1, pr, pi, q):
     """Real and imaginary part of (c0 + i·s0)(pr + i·pi)[0] + (c1 + i·s1)(pr + i·pi)[1] at mode q."""
     return (
@@ -163,7 +167,7 @@ def pair_weight(c0, s0, c1, s1, pr, pi, q):
     )
 
 
-@_compile
+@_inline
 def add_pair(parts, g, weight, beta, opens, closes, mean, place, sum_re, sum_im, gain):
     """Add a pair to the sum over its shell.
 
@@ -208,7 +212,7 @@ def add_pair(parts, g, weight, beta, opens, closes, mean, place, sum_re, sum_im,
                 gain[i, 2 * q + 1] += row_mean[q] * sum_im[i, q]
 
 
-@_compile
+@_inline
 def spread_means(mean, place, n, ny, row):
     """row = mean[place], shape (m,): gathered for k_y ≥ 0, copied for k_y < 0."""
     nz = n // 2 + 1

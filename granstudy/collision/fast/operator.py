@@ -14,6 +14,7 @@ of its two nodes there, at the images of r here.
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from granstudy.collision.fast import loops
 from granstudy.collision.fast.gain import Gain, GainSum
 from granstudy.collision.fast.nodes import Nodes, place_nodes
 from granstudy.collision.fourier.spectra import resize, serial_transforms
+from granstudy.collision.fourier.threads import OneAtATime
 from granstudy.collision.fourier.transforms import RealTransforms
 from granstudy.collision.protocol import check_state
 from granstudy.collision.rules import directions, radial_nodes, reduce_directions
@@ -54,6 +56,7 @@ class NodalOperator:
         self.grid = grid
         self.gain = gain
         self.group = group
+        self._one_at_a_time = OneAtATime()
         self._loss = loss.astype(np.complex128)  # NumPy multiplies complex by complex fastest
         self._shape = grid.three_axis_shape
         self._single = RealTransforms(self._shape)
@@ -67,41 +70,49 @@ class NodalOperator:
         if np.iscomplexobj(f):
             raise ValueError(f"density has type {f.dtype}: method 'fast' takes real densities")
         self.group.spot_check(f, "the density")
-        f = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
-        f_hat = self._spectrum(f)
-        if self.gain.grid.N > self.grid.N:
-            Q = self._single.backward(self._padded_spectrum(f_hat))
-        else:
-            self._filter_loss(f_hat)
-            self._single.spectrum[...] = self._gain_spectrum(f, f_hat)
-            self._single.execute_backward()
-            Q = np.empty_like(f)
-            rows = (-1, self.grid.N)
-            loops.subtract_loss(
-                self._single.rows, f.reshape(rows), self._lost.rows, Q.reshape(rows)
-            )
+        with self._one_at_a_time:
+            Q = self._evaluate(np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape))
         # The loss has the symmetry already. Symmetrised with the gain, its round-off has it too.
         return self.group.symmetrise(Q.reshape(self.grid.shape))
+
+    def _evaluate(self, f: np.ndarray) -> np.ndarray:
+        """Q(f,f) before it is symmetrised."""
+        f_hat = self._spectrum(f)
+        if self.gain.grid.N > self.grid.N:
+            return self._single.backward(self._padded_spectrum(f_hat))
+        self._filter_loss(f_hat)
+        self._single.spectrum[...] = self._gain_spectrum(f, f_hat)
+        self._single.execute_backward()
+        Q = np.empty_like(f)
+        rows = (-1, self.grid.N)
+        loops.subtract_loss(self._single.rows, f.reshape(rows), self._lost.rows, Q.reshape(rows))
+        return Q
 
     def loss(self, f: np.ndarray) -> np.ndarray:
         """Q⁻(f,f) alone."""
         wide = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
-        self._filter_loss(self._spectrum(wide))
-        return (wide * self._lost.density).reshape(f.shape)
+        with self._one_at_a_time:
+            self._filter_loss(self._spectrum(wide))
+            return (wide * self._lost.density).reshape(f.shape)
 
     def transform(self) -> None:
         """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
-        self._single.execute_forward()
-        self.gain.transform()
-        self._single.execute_backward()
-        if self.gain.grid.N > self.grid.N:
-            self._inner.execute_backward()
-            self._inner.execute_backward()
-            self._inner.execute_forward()
-            return
-        self._lost.execute_backward()
-        if self.gain.grid.N < self.grid.N:
-            self._inner.execute_backward()
+        with self._one_at_a_time:
+            self._single.execute_forward()
+            self.gain.transform()
+            self._single.execute_backward()
+            if self.gain.grid.N > self.grid.N:
+                self._inner.execute_backward()
+                self._inner.execute_backward()
+                self._inner.execute_forward()
+                return
+            self._lost.execute_backward()
+            if self.gain.grid.N < self.grid.N:
+                self._inner.execute_backward()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled is what the operator is made from: the gain with its nodes, the group, the loss."""
+        return type(self), (self.grid, self.gain, self.group, self._loss.real)
 
     def _spectrum(self, f: np.ndarray) -> np.ndarray:
         """f̂ with Σ_k f̂_k e^{iπk·v/L} = f."""

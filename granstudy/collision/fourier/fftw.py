@@ -9,10 +9,11 @@ import weakref
 from collections.abc import Sequence
 
 import llvmlite.binding
-import numba
 import numpy as np
 import pyfftw
 from numba.core import types
+
+from granstudy.support.compiled import compiled
 
 FORWARD, BACKWARD, SINGLE, MADE = range(4)
 """Places in an array of plans: the addresses of the two plans, whether they are in single precision, and
@@ -37,7 +38,7 @@ _execute_double = types.ExternalFunction("granstudy_fftw_execute", _signature)
 _execute_single = types.ExternalFunction("granstudy_fftwf_execute", _signature)
 
 
-@numba.njit(nogil=True, cache=True)
+@compiled(forceinline=True)
 def execute(plans, direction):
     """Make one transform, `FORWARD` or `BACKWARD`, of the buffer that ``plans`` were made for."""
     plans[MADE] += 1
@@ -47,7 +48,7 @@ def execute(plans, direction):
         _execute_double(plans[direction])
 
 
-@numba.njit(nogil=True, cache=True)
+@compiled()
 def alternate(first, first_direction, second, second_direction, count):
     """Make ``count`` pairs of transforms and nothing else, for benchmarks."""
     for _ in range(count):

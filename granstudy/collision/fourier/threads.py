@@ -1,9 +1,12 @@
 """A sum over nodes in shares, computed by threads, with a result that does not depend on their number."""
 
+import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextvars import copy_context
-from typing import Generic, TypeVar
+from threading import RLock
+from typing import Any, Generic, TypeVar
+from weakref import WeakSet
 
 Workspace = TypeVar("Workspace")
 Share = TypeVar("Share")
@@ -17,12 +20,43 @@ SHARES = 8
 do not depend on it."""
 
 
+class OneAtATime:
+    """A lock for buffers that serve one call at a time: ``with self._one_at_a_time: ...``.
+
+    A thread may enter again what it has entered. A forked child finds the lock free, whatever other threads
+    of its parent were doing.
+    """
+
+    def __init__(self) -> None:
+        self.start_anew()
+        _of_this_process.add(self)
+
+    def start_anew(self) -> None:
+        """Be free: for a process that has just been forked, and has one thread."""
+        self._lock = RLock()
+
+    def __enter__(self) -> None:
+        self._lock.acquire()
+
+    def __exit__(self, *error: object) -> None:
+        self._lock.release()
+
+
 class Workers(Generic[Workspace]):
-    """The caller's thread and a pool of others, each with a workspace: buffers and planned transforms."""
+    """The caller's thread and a pool of others, each with a workspace: buffers and planned transforms.
+
+    One call of `map` at a time. A forked child has a pool of its own.
+    """
 
     def __init__(self, threads: int, make_workspace: Callable[[], Workspace]) -> None:
         self._workspaces = [make_workspace() for _ in range(min(threads, SHARES))]
+        self.start_anew()
+        _of_this_process.add(self)
+
+    def start_anew(self) -> None:
+        """Take a new pool: threads of a process do not live in its forked child."""
         self._pool = ThreadPoolExecutor(max(1, len(self._workspaces) - 1))
+        self._at_work: list[Future[None]] = []
 
     def map(
         self, work: Callable[[Share, Workspace], Result], shares: Sequence[Share]
@@ -35,18 +69,44 @@ class Workers(Generic[Workspace]):
             for index, share in waiting:
                 results[index] = work(share, workspace)
 
+        wait(
+            self._at_work
+        )  # after a call that was interrupted twice, threads may still use their workspace
         # A copy of the caller's context for each: it says what NumPy does about overflow.
-        others = [
+        self._at_work = [
             self._pool.submit(copy_context().run, take_shares, workspace)
             for workspace in self._workspaces[1 : len(shares)]
         ]
         try:
             take_shares(self._workspaces[0])
         finally:
-            wait(others)
-        for other in others:
+            wait(self._at_work)
+        for other in self._at_work:
             other.result()
         return [results[index] for index in range(len(shares))]
+
+
+_of_this_process: WeakSet[Any] = WeakSet()
+"""Locks and pools that a forked child must start anew."""
+
+
+planning = RLock()
+"""Held by threads that plan with pyfftw. No process is forked meanwhile: a child would wait for ever for
+pyfftw's own lock."""
+
+
+def _after_in_child() -> None:
+    planning.release()
+    for one in list(_of_this_process):
+        one.start_anew()
+
+
+if hasattr(os, "register_at_fork"):  # not on Windows, which has no fork
+    os.register_at_fork(
+        before=planning.acquire,
+        after_in_parent=planning.release,
+        after_in_child=_after_in_child,
+    )
 
 
 def split(count: int, parts: int) -> list[Bounds]:

@@ -2,8 +2,8 @@
 
 from functools import cache
 from importlib.metadata import version
+from typing import Any
 
-import numba
 import numpy as np
 
 from granstudy.collision.protocol import check_state
@@ -12,6 +12,7 @@ from granstudy.model.isotropy import check_isotropic
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver
 from granstudy.support.cache import cached_array
+from granstudy.support.compiled import compiled
 from granstudy.support.fingerprint import fingerprint
 from granstudy.velocity.radial import RadialGrid
 
@@ -32,6 +33,7 @@ class RadialOperator:
     def __init__(self, scene: Scene, solver: SizedSolver) -> None:
         check_isotropic(scene, solver.R)
         assert not callable(scene.restitution)
+        self._recipe = scene, solver
         self.grid = grid = RadialGrid(scene.dim, solver.N, solver.R)
         exponent, e = float(scene.kernel.exponent), float(scene.restitution)
         unit = cached_array(
@@ -50,6 +52,10 @@ class RadialOperator:
     def transform(self) -> None:
         """Make the transforms of one call, for benchmarks: a call has none."""
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled is what the operator is made from: the scene and the solver."""
+        return type(self), self._recipe
+
 
 def tensor_name(dim: int, N: int, exponent: float, restitution: float) -> str:
     """Name in the cache: the parameters of `unit_tensor`, its code, and versions of `LIBRARIES`."""
@@ -63,7 +69,7 @@ def _code() -> str:
     return f"{fingerprint([unit_tensor.__module__])}-{libraries}"
 
 
-@numba.njit(nogil=True, cache=True)
+@compiled()
 def bilinear(T, f):
     """Σ_{j≤l} T[jl, :] f_j f_l."""
     n = f.size

@@ -9,6 +9,7 @@ from granstudy.evolution.stability import largest_frequency, stability_limit
 from granstudy.evolution.unknowns import Representation, relative_change
 from granstudy.model.restitution import Restitution
 from granstudy.model.scene import Scene
+from granstudy.trust.changes import Change, change_of_moments
 from granstudy.velocity.space import Term
 
 
@@ -43,13 +44,16 @@ class FixedFrame:
 
     def rate(self, state: np.ndarray, taken_off: float = 0.0) -> np.ndarray:
         """The rate of change Q + (ε − taken_off) Δf; ``taken_off`` is ε or 0."""
-        if taken_off == self._epsilon:
-            return self._collisions(state)
-        return self._collisions(state) + self._diffusion(state)
+        Q = self._collisions(state)
+        return Q if taken_off == self._epsilon else Q + self._diffusion(state)
 
-    def collisions(self, state: np.ndarray) -> np.ndarray:
-        """Q(f,f) at the nodes."""
-        return self.form.density(self._collisions(state))
+    def moment_change(self, state: np.ndarray, change: np.ndarray) -> Change:
+        """Change of T and a2 by a small change of the state."""
+        return change_of_moments(self.form.grid, self.density(state), self.density(change))
+
+    def moment_rates(self, state: np.ndarray) -> Change:
+        """Rates of T and a2, in a unit of the collisions' time."""
+        return self.moment_change(state, self.rate(state))
 
     def clock(self, state: np.ndarray, time: float) -> float:
         """The collisions' time: t."""

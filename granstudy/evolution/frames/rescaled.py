@@ -12,6 +12,8 @@ from granstudy.evolution.unknowns import Representation, relative_change
 from granstudy.model.restitution import Restitution, ScaledRestitution
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver
+from granstudy.model.stated_moments import StatedMoments
+from granstudy.trust.changes import Change, change_of_moments
 from granstudy.velocity.space import Term
 
 ScaledCollisions = Callable[[np.ndarray, float], np.ndarray]
@@ -109,10 +111,16 @@ class RescaledFrame:
         """Moments M_0, M_i and M_E (rows) of each of the states of g (columns)."""
         return self._moments @ np.array([self.form.density(a).ravel() for a in states]).T
 
-    def collisions(self, state: np.ndarray) -> np.ndarray:
-        """Q(g,g) at the nodes c, without θ^λ."""
-        g, place = self._split(state)
-        return self.form.density(self._collisions(g, np.exp(place.log_scale)))
+    def moment_change(self, state: np.ndarray, change: np.ndarray) -> Change:
+        """Change of T = θ²T_g and a2 by a small change of the state."""
+        scaling = 2.0 * float(change[self._nodes].real)
+        return change_of_moments(self.form.grid, self.density(state), self.density(change), scaling)
+
+    def moment_rates(self, state: np.ndarray) -> Change:
+        """Rates of T and a2, in a unit of the collisions' time."""
+        return self.moment_change(state, self.rate(state)).scaled(
+            self.scale(state) ** -self._exponent
+        )
 
     def clock(self, state: np.ndarray, time: float) -> float:
         """The collisions' time: τ."""
@@ -231,6 +239,14 @@ class Centred:
     initial: Callable[..., np.ndarray]
     centre: tuple[float, ...]
 
+    @property
+    def moments(self) -> StatedMoments | None:
+        """Moments of g, where the density states those of f."""
+        stated: StatedMoments | None = getattr(self.initial, "moments", None)
+        if stated is None:
+            return None
+        return replace(stated, velocity=stated.velocity - np.array(self.centre))
+
     def __call__(self, *c: np.ndarray) -> np.ndarray:
         """Density at the velocities c."""
         return self.initial(*(ci + ui for ci, ui in zip(c, self.centre, strict=True)))
@@ -241,7 +257,7 @@ def centred(scene: Scene, solver: SizedSolver) -> tuple[Scene, np.ndarray]:
     grid = solver.grid(scene.dim)
     m = grid.velocity_moments(scene.density(grid))
     u = m.momentum / m.density
-    thermal = np.sqrt(np.trace(m.pressure) / (scene.dim * m.density))
+    thermal = np.sqrt(max(np.trace(m.pressure), 0.0) / (scene.dim * m.density))
     # Round-off counts as 0, so that symmetric densities keep their digits.
     u = np.where(np.abs(u) > 1e-10 * thermal, u, 0.0)
     if not u.any():

@@ -53,15 +53,32 @@ def read_study_file(path: str | Path) -> StudyFile:
     ValueError
         One line an error, each naming the file, the field, the value and what is allowed.
     """
-    content = read_yaml(path)
     check_study_name(path)
+    return study_model(read_yaml(path), str(path))
+
+
+def study_model(content: Any, source: str = "study") -> StudyFile:
+    """The typed model of what a study file says.
+
+    Parameters
+    ----------
+    content : dict
+        What the file says, as plain data.
+    source : str
+        Where it comes from, for messages.
+
+    Raises
+    ------
+    ValueError
+        One line an error, each naming the source, the field, the value and what is allowed.
+    """
     if not isinstance(content, dict):
         what = "is empty" if content is None else f"holds {shown(content)}"
         raise ValueError(
-            f"{path}: {what}; a study has the fields {', '.join(StudyFile.model_fields)}"
+            f"{source}: {what}; a study has the fields {', '.join(StudyFile.model_fields)}"
         )
     try:
         return StudyFile.model_validate(content)
     except ValidationError as error:
-        lines = [f"{path}: {line}" for line in explain(error, StudyFile)]
+        lines = [f"{source}: {line}" for line in explain(error, StudyFile)]
         raise ValueError("\n".join(lines)) from None

@@ -1,6 +1,7 @@
 """The words of study files that a sweep takes: every field of scene, density, solver and time."""
 
 from granstudy.datasets.parameters import PARAMETERS
+from granstudy.model.identity import coordinate
 from granstudy.study.schema.sections import DENSITY_FIELDS, SceneFields, SolverModel, TimeModel
 
 NOT_SWEPT = ("arguments", "dim", "times")
@@ -15,15 +16,10 @@ _FIELDS = [
     if name not in NOT_SWEPT
 ]
 
-COORDINATES = {f"initial_{name}": name for name in DENSITY_FIELDS}
-"""Words by the coordinate that datasets have where a moment has the word's own name."""
+COORDINATES = {coordinate(name): name for name in DENSITY_FIELDS}
+"""Words of densities by the coordinate that datasets have for them."""
 
 _ORDER = {COORDINATES.get(name, name): place for place, name in enumerate(PARAMETERS)}
 
 SWEPT = tuple(sorted(_FIELDS, key=lambda name: _ORDER.get(name, len(_ORDER))))
 """Words that a study can sweep, in the order of a run's path."""
-
-
-def coordinate(word: str) -> str:
-    """Name of the coordinate that datasets have for a word of study files."""
-    return next((name for name, own in COORDINATES.items() if own == word), word)

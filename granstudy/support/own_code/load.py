@@ -60,6 +60,10 @@ class OwnFunction:
     def __repr__(self) -> str:
         return self.reference
 
+    def __dask_tokenize__(self) -> tuple[str, str]:
+        """What Dask knows the function by."""
+        return self.name, self.digest
+
     def __reduce__(self) -> tuple[Callable[..., "OwnFunction"], tuple[str, str, str]]:
         return _load_same, (str(self.path), self.name, self.digest)
 

@@ -25,7 +25,13 @@ from granstudy.support.own_code.names import (
     imported_names,
     names_when_made,
 )
-from granstudy.support.own_code.syntax import Syntax, bytecode, class_syntax, syntax_of
+from granstudy.support.own_code.syntax import (
+    COPIED,
+    Syntax,
+    bytecode,
+    class_syntax,
+    syntax_of,
+)
 from granstudy.support.own_code.values import content, state_of
 
 OF_EVERY_CLASS = {
@@ -35,6 +41,12 @@ OF_EVERY_CLASS = {
     *("__abstractmethods__", "_abc_impl", "__orig_bases__", "__parameters__"),
 }
 """Members that Python gives a class, or that follow from others."""
+
+OF_DATACLASSES = {
+    *("__init__", "__repr__", "__eq__", "__hash__", "__setattr__", "__delattr__"),
+    *("__lt__", "__le__", "__gt__", "__ge__"),
+}
+"""Methods that `dataclasses` makes."""
 
 WRAPPERS = ("py_func", "__wrapped__")
 """Where compiling and caching wrappers of libraries (numba, functools) keep a user's function."""
@@ -231,22 +243,23 @@ class Reach:
         for name, member in sorted(vars(cls).items()):
             written = [each for each in functions_in(member) if not _is_generated(each, cls)]
             for function in written:
-                file, known = function.__code__.co_filename, function.__globals__
+                syntax, known = syntax_of(function.__code__), function.__globals__
+                file = syntax.file if syntax else file
                 own = self._once(function, partial(self._function, function, is_method=True))
                 parts.append(f"{name}={type(member).__name__}({own})")
             if not functions_in(member) and name not in OF_EVERY_CLASS and not _is_slot(member):
                 parts.append(f"{name}={self._content(member, f'{cls.__name__}.{name}')}")
         syntax = class_syntax(file, cls.__qualname__) if file else None
         for name in names_when_made(syntax):
-            if name in known:
-                parts.append(f"{name}={self._content(known[name], repr(name))}")
+            if isinstance(known.get(name), ModuleType) or is_installed(known.get(name)):
                 self._definitions.bind(name, known[name])
         self._definitions.define(cls, syntax.text if syntax else None)
         return "\n".join(parts)
 
     def _field(self, cls: type, field: "dataclasses.Field[Any]") -> str:
         defaults = [field.default, field.default_factory]
-        given = [each for each in defaults if each is not dataclasses.MISSING]
+        # Not by identity: cloudpickle, where it copies a class, copies what stands for no default.
+        given = [each for each in defaults if not isinstance(each, type(dataclasses.MISSING))]
         return f"{field.name}{self._content(given, f'the default of {cls.__name__}.{field.name}')}"
 
     def _ufunc(self, function: np.ufunc, where: str) -> str:
@@ -266,9 +279,12 @@ def _is_frozen(kind: Any) -> bool:
 
 
 def _is_generated(method: FunctionType, cls: type) -> bool:
-    """Whether `dataclasses` made a method."""
-    return (
-        hasattr(cls, "__dataclass_fields__") and unwrap(method).__code__.co_filename == "<string>"
+    """Whether `dataclasses` made a method; cloudpickle's copies of such methods have another file."""
+    if not hasattr(cls, "__dataclass_fields__"):
+        return False
+    code = unwrap(method).__code__
+    return code.co_filename == "<string>" or (
+        code.co_filename == COPIED and code.co_name in OF_DATACLASSES
     )
 
 

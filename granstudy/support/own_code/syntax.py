@@ -15,6 +15,12 @@ from granstudy.support.fingerprint import without_texts
 FunctionNode = ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda
 """Nodes that become functions."""
 
+COPIED = "<dynamic-code>"
+"""File of functions that cloudpickle copied, in place of their own."""
+
+_seen: dict[tuple[Any, ...], "Syntax"] = {}
+"""Syntax of the functions identified so far, by their instructions, for copies of them."""
+
 HAS_DOCSTRING = 0x4000000
 """Flag of a code object with a docstring, since Python 3.13; before, every ``def`` has one or None."""
 
@@ -30,11 +36,14 @@ class Syntax:
         Its source; of a lambda the expression alone.
     content : str
         The tree as text, without docstrings, comments and places.
+    file : str
+        File or cell that it stands in.
     """
 
     node: FunctionNode | ast.ClassDef
     text: str
     content: str
+    file: str
 
 
 def syntax_of(code: CodeType) -> Syntax | None:
@@ -44,14 +53,15 @@ def syntax_of(code: CodeType) -> Syntax | None:
     since the function was made is never taken for the function. None where there is no such source: code of
     ``exec`` or of a prompt, or a file that was edited since.
     """
-    text = _lines(code.co_filename)
-    if not text:
-        return None
-    candidates = _functions(text)
     wanted = _instructions(code)
+    if code.co_filename == COPIED:
+        return _seen.get(wanted)
+    candidates = _functions(_lines(code.co_filename))
     alike = [each for each in candidates if each.instructions == wanted]
     for found in [each for each in alike if each.code == code] + alike:
-        return _syntax(text, found.node)
+        text = _lines(code.co_filename)
+        syntax = _seen[wanted] = _syntax(text, found.node, code.co_filename)
+        return syntax
     return None
 
 
@@ -70,12 +80,12 @@ def class_syntax(filename: str, qualname: str) -> Syntax | None:
         if not inside:
             return None
         tree = inside[-1]
-    return _syntax(text, tree) if isinstance(tree, ast.ClassDef) else None
+    return _syntax(text, tree, filename) if isinstance(tree, ast.ClassDef) else None
 
 
 @lru_cache(maxsize=256)
-def _syntax(text: str, node: FunctionNode | ast.ClassDef) -> Syntax:
-    return Syntax(node, _segment(text, node), ast.dump(without_texts(node)))
+def _syntax(text: str, node: FunctionNode | ast.ClassDef, file: str) -> Syntax:
+    return Syntax(node, _segment(text, node), ast.dump(without_texts(node)), file)
 
 
 def _lines(filename: str) -> str:

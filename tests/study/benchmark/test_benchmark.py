@@ -7,7 +7,7 @@ from granstudy.analysis.tables.markdown import markdown_table
 from granstudy.analysis.tables.table import csv_table, experiment_table
 from granstudy.collision import collision_operator
 from granstudy.datasets.netcdf import write_dataset
-from granstudy.model.scene import load_scene
+from granstudy.model.load_scene import load_scene
 from granstudy.model.solver import Solver
 from granstudy.study.benchmark.benchmark import benchmark
 from granstudy.study.benchmark.timing import peak_memory_mb

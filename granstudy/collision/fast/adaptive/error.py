@@ -14,7 +14,7 @@ MOMENT_WEIGHT = 0.1
 """Weight of all moments together in the sum of squares that is made small. All points together weigh 1."""
 
 SAMPLES = 4096
-"""Most points of the grid, evenly spread, at which errors are added up while rules are chosen."""
+"""Most points of the grid at which errors are added up while rules are chosen."""
 
 EQUILIBRIUM = 0.01
 """Smallest scale of Q, in parts of the loss. Near an equilibrium Q vanishes, while the errors of gain and
@@ -40,6 +40,7 @@ class ErrorScale:
 
     def __init__(self, grid: VelocityGrid, Q: np.ndarray, scale: float) -> None:
         self.scale = scale
+        self._sampled = _spread(grid)
         v = grid.velocities()
         tests = [np.ones(grid.shape), *v, sum(vi**2 for vi in v)]
         lost = scale / np.max(np.abs(Q))  # above 1 where Q nearly vanishes, and its moments with it
@@ -68,11 +69,24 @@ class ErrorScale:
         tuple of ndarray, shapes (..., samples) and (samples,)
             The scaled errors, and weights of their squares in a sum (`MOMENT_WEIGHT`).
         """
-        points = errors[..., :: max(1, -(-errors.shape[-1] // SAMPLES))] / self.scale
+        points = errors[..., self._sampled] / self.scale
         moments = self.moments(errors) / MOMENT_PART
         weights = np.full(points.shape[-1] + moments.shape[-1], 1.0 / points.shape[-1])
         weights[points.shape[-1] :] = MOMENT_WEIGHT / moments.shape[-1]
         return np.concatenate([points, moments], axis=-1), weights
+
+
+def _spread(grid: VelocityGrid) -> slice | np.ndarray:
+    """Places of at most `SAMPLES` points that are spread over a grid.
+
+    They are equidistant, or chosen at random where their distance would be a row of the grid or more: 64 on
+    64³ points would take one face of the box, where every error is 0.
+    """
+    count = grid.N**grid.dim
+    distance = max(1, -(-count // SAMPLES))
+    if distance < grid.N:
+        return slice(None, None, distance)
+    return np.sort(np.random.default_rng(0).choice(count, SAMPLES, replace=False))
 
 
 def magnitude(operator: NodalOperator, f: np.ndarray, Q: np.ndarray) -> float:

@@ -64,7 +64,7 @@ def make_plan(scene: Scene, solver: SizedSolver, f: np.ndarray) -> QuadraturePla
     Raises
     ------
     ToleranceError
-        If aliasing on the solver's grid keeps the sums from settling to rtol.
+        If aliasing on the solver's grid keeps the sums from settling to rtol, or no rules reach it.
     """
     assert solver.rtol is not None
     small, f_n, probe = _quiet_grid(scene, solver, f)
@@ -94,7 +94,10 @@ def make_plan(scene: Scene, solver: SizedSolver, f: np.ndarray) -> QuadraturePla
     assert best is not None
     if best.error <= solver.rtol:
         return _choose_grid(scene, solver, best, f)
-    raise _unreachable(solver, best.error)
+    raise ToleranceError(
+        f"rtol={solver.rtol!r}: no rules found on N={solver.N} have an error below {best.error:.1e} of "
+        f"max|Q|, though aliasing is {probe.kept:.1e}; take a larger rtol, or give N_rho and M_sph (M_cir)"
+    )
 
 
 def _quiet_grid(
@@ -116,17 +119,13 @@ def _quiet_grid(
         if probe.kept <= QUIET * solver.rtol:
             break
     if probe.kept > solver.rtol:
-        raise _unreachable(solver, probe.kept)
+        cause = "round-off" if solver.dealias else "aliasing"
+        remedy = "" if solver.dealias else ", or dealias=True"
+        raise ToleranceError(
+            f"rtol={solver.rtol!r}: on N={solver.N} {cause} keeps the sums over directions from settling "
+            f"below {probe.kept:.1e} of max|Q|; take a larger N or a larger rtol{remedy}"
+        )
     return small, f_n, probe
-
-
-def _unreachable(solver: SizedSolver, error: float) -> ToleranceError:
-    cause = "round-off" if solver.dealias else "aliasing"
-    remedy = "" if solver.dealias else ", or dealias=True"
-    return ToleranceError(
-        f"rtol={solver.rtol!r}: on N={solver.N} {cause} keeps the sums over directions from settling "
-        f"below {error:.1e} of max|Q|; take a larger N or a larger rtol{remedy}"
-    )
 
 
 def _radial_size(scene: Scene, solver: SizedSolver, f: np.ndarray, tolerance: float) -> int:

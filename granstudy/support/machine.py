@@ -1,0 +1,48 @@
+"""Cores and memory of the machine that this process may use."""
+
+import os
+from contextlib import suppress
+from pathlib import Path
+
+CGROUP = Path("/sys/fs/cgroup")
+"""Where Linux says what a group of processes may use: a container's, a job's."""
+
+
+def cores() -> int:
+    """Cores that this process may use; where the platform does not say, all of the machine."""
+    if hasattr(os, "sched_getaffinity"):  # not on macOS
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def memory() -> int | None:
+    """Bytes of memory that this process may use: the machine's, or its group's; None where none is said."""
+    if not hasattr(os, "sysconf"):  # on Windows
+        return None
+    sizes = [os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")]
+    with suppress(OSError):
+        own = Path("/proc/self/cgroup").read_text().rpartition("::/")[2].strip()
+        for folder in (CGROUP / own, *(CGROUP / own).parents):
+            with suppress(OSError, ValueError):  # "max" is no limit
+                sizes.append(int((folder / "memory.max").read_text()))
+    return min(sizes)
+
+
+def check_memory(what: str, needed: float, remedy: str) -> None:
+    """Raise ValueError, before anything is allocated, for more bytes than this process may use.
+
+    Parameters
+    ----------
+    what : str
+        Field and value, ``M_cir=100000000``.
+    needed : float
+        Estimated bytes.
+    remedy : str
+        What to take in its place.
+    """
+    allowed = memory()
+    if allowed is not None and needed > allowed:
+        raise ValueError(
+            f"{what}: takes about {needed / 1e9:.3g} GB of memory, and there are {allowed / 1e9:.3g} GB; "
+            f"{remedy}"
+        )

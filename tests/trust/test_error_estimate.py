@@ -1,0 +1,116 @@
+"""Estimated errors of T and a2 against true ones, where one part of the estimate is all that counts."""
+
+import numpy as np
+import pytest
+
+import granstudy as gs
+from granstudy.trust.changes import change_of_moments
+from granstudy.trust.error_estimate import grown
+from granstudy.trust.flags import Trust
+from granstudy.trust.truth import errors, truth_of_dataset
+
+FINE = gs.Solver(N=48, R=12.0, method="radial")
+RESOLVED = gs.Solver(N=40, R=10.0, method="radial")
+
+
+def run(scene, solver, t_final, **time):
+    return gs.simulate(scene, solver, t_final=t_final, progress=False, **time)
+
+
+def against(scene, ds, fine=FINE, frame="fixed"):
+    """Errors of T and a2 of a run, and their estimates: the largest over time."""
+    times = ds["time"].values
+    truth = run(scene, fine, times[-1], time_rtol=1e-10, times=times[1:], frame=frame)
+    true = errors(ds, truth_of_dataset(truth))
+    estimates = [float(ds[f"{name}_error_estimate"].max()) for name in ("temperature", "a2")]
+    return list(zip(true, estimates, strict=True))
+
+
+def assert_estimated(pairs):
+    for true, estimate in pairs:
+        assert true < 3 * estimate + 1e-6
+        assert true < 1e-6 or estimate < 100 * true
+
+
+@pytest.mark.parametrize(("e", "epsilon", "t"), [(1.0, 0.11, 1.0), (0.5, 0.05, 1.0)])
+def test_the_motion_of_the_frame_and_the_diffusion_count(e, epsilon, t):
+    scene = gs.load_scene("bkw2d", restitution=e, diffusion=epsilon)
+    time = {"time_rtol": 1e-6, "times": [0.1, 0.5], "frame": "rescaled"}
+    ds = run(scene, gs.Solver(N=24, R=9.5, method="radial"), t, **time)
+    pairs = against(scene, ds)
+    assert_estimated(pairs)
+    assert pairs[1][0] > 1e-5
+
+
+@pytest.mark.parametrize("conserve", [(), ("mass", "energy")])
+def test_energy_that_is_conserved_does_not_silence_the_estimate_of_T(conserve):
+    """Collisions beyond R are missing: T was off by 1e-3, estimated at 7e-8."""
+    scene = gs.load_scene("maxwellian3d", kernel=gs.hard_spheres(3), restitution=0.0, diffusion=0.0)
+    solver = gs.Solver(N=32, R=5.0, method="radial")
+    ds = run(scene, solver, 1.0, time_rtol=1e-7, times=[0.5], conserve=conserve)
+    pairs = against(scene, ds)
+    assert_estimated(pairs)
+    assert pairs[0][0] > 8e-4 and Trust(int(ds["trust"])) is not Trust.TRUSTED
+
+
+def test_a_steady_run_stays_trusted():
+    """Errors are forgotten while they grow: the estimate was 1e-4, 8e-4, 8e-3, 8e-2 for T off by 4.5e-5."""
+    gas = {"kernel": gs.hard_spheres(3), "restitution": 0.5, "diffusion": 0.2}
+    steady = gs.heated_state(
+        gs.load_scene("maxwellian3d", **gas), gs.Solver(N=40, R=9.0, method="radial")
+    )
+    T = float(steady["temperature"])
+    scene = gs.load_scene("maxwellian3d", temperature=T, **gas)
+    for t_final in (10.0, 1e4):
+        ds = run(scene, gs.Solver(N=24, R=7.0, method="radial"), t_final, time_rtol=1e-6)
+        error = abs(float(ds["temperature"][-1]) / T - 1.0)
+        estimate = float(ds["temperature_error_estimate"].max())
+        assert 1e-5 < error < 3 * estimate and estimate < 3e-4
+        assert Trust(int(ds["trust"])) is Trust.TRUSTED
+
+
+@pytest.mark.parametrize("scheme", ["rk3", "dopri54", "exponential"])
+@pytest.mark.parametrize(
+    "step", [{"dt": 0.5}, {"dt": 0.25}, {"time_rtol": 1e-2}, {"time_rtol": 1e-4}], ids=str
+)
+def test_the_error_of_the_steps_counts_in_every_scheme(scheme, step):
+    scene = gs.load_scene("bkw2d", restitution=0.0, diffusion=0.0)
+    times = {} if "dt" in step else {"times": [0.5, 1.0]}
+    ds = run(scene, RESOLVED, 2.0, scheme=scheme, **step, **times)
+    assert_estimated(against(scene, ds, RESOLVED))
+
+
+def test_a_large_step_of_high_order_is_not_blamed_for_that_of_low_order():
+    """bkw2d, e = 1: the estimate of a2 was 6e-4 for a true 7e-10."""
+    scene = gs.load_scene("bkw2d", restitution=1.0, diffusion=0.0)
+    ds = run(scene, RESOLVED, 2.0, dt=0.5, scheme="dopri54")
+    (_, (true, estimate)) = against(scene, ds, RESOLVED)
+    assert true < 1e-8 and estimate < 1e-7
+
+
+@pytest.mark.parametrize("grid", [gs.VelocityGrid(2, 24, 8.0), gs.RadialGrid(3, 24, 8.0)], ids=str)
+def test_changes_of_moments_are_derivatives(grid):
+    c = [v - 0.3 * (grid.shape != (24,)) * (i == 0) for i, v in enumerate(grid.velocities())]
+    f = np.exp(-sum(ci**2 for ci in c) / 2) * (1 + 0.1 * c[0] ** 4)
+    change = np.exp(-sum(ci**2 for ci in c)) * (1 + 0.4 * c[0] + c[0] ** 2)
+    h = 1e-5
+    later, before = (gs.moments(f + s * h * change, grid) for s in (1, -1))
+    found = change_of_moments(grid, f, change, scaling=0.7)
+    for name, value, scale in (
+        ("temperature", found.temperature - 0.7, 0.0),
+        ("a2", found.a2, 1.0),
+    ):
+        middle = float(later[name] + before[name]) / 2
+        slope = float(later[name] - before[name]) / (2 * h) / (scale + middle)
+        assert value == pytest.approx(slope, rel=1e-7)
+
+
+@pytest.mark.parametrize("forgetting", [0.0, 1e-6, 0.7, 300.0])
+def test_an_error_grows_and_is_forgotten(forgetting):
+    # y' = −r y + a + (b − a) s/h by many small steps
+    a, b, h, y = 0.2, 0.5, 2.0, 0.1
+    n = 200_000
+    for s in (np.arange(n) + 0.5) / n:
+        k = a + (b - a) * s
+        y = (y * (1 - forgetting * h / (2 * n)) + k * h / n) / (1 + forgetting * h / (2 * n))
+    assert grown(0.1, a, b, forgetting, h) == pytest.approx(y, rel=1e-6)
