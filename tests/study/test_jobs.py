@@ -3,6 +3,7 @@
 import pytest
 
 from granstudy.study.jobs import LONGEST, SHORTEST, Job, jobs
+from granstudy.study.sizes import MEMORY
 from granstudy.study.study import Member
 
 STUDY = """
@@ -17,6 +18,12 @@ experiments:
     sweep:
       - {e: [0.2, 0.5], N: [8, 32768, 10, 12], method: [fast]}
 """
+
+
+@pytest.fixture(autouse=True)
+def large_machine(monkeypatch):
+    """A machine that holds all runs, none of which is computed."""
+    monkeypatch.setenv(MEMORY, "1000")
 
 
 def left(study):

@@ -33,7 +33,7 @@ experiments:
     sweep:
       - {e: 0.5}
     table: {quantity: a2, beside: [law]}
-    figure: {kind: states, beside: [law, cooling]}
+    figure: {kind: states, beside: [law, speed]}
   speed:
     title: speed
     run: benchmark
@@ -56,7 +56,7 @@ def test_runs_and_tables_lie_in_folders_of_the_study(layout):
     assert layout.beside_table("cooling") == ["made/test/tables/law.nc"]
     assert layout.beside_figure("cooling") == [
         "made/test/tables/law.nc",
-        "made/test/tables/cooling.nc",
+        "made/test/tables/speed.nc",
     ]
     assert layout.beside_figure("speed") == layout.beside_table("law") == []
 
