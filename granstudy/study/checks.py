@@ -48,7 +48,8 @@ def _check_method(computation: Computation) -> None:
     if solver.traits.by_particles and not KINDS[computation.kind].by_particles:
         able = " and ".join(name for name, kind in KINDS.items() if kind.by_particles)
         raise ValueError(
-            f"method={solver.method!r}: has no collision operator for {computation.kind} runs, only {able} runs"
+            f"method={solver.method!r}: has no collision operator for {computation.kind} runs, only "
+            f"{able} runs"
         )
 
 
