@@ -168,13 +168,21 @@ def _legend(table: xr.Dataset) -> list[str]:
     for reason in dict.fromkeys(table["reason"].values) if "reason" in table else ():
         lines += ["", f"failed: {reason}."] if reason else []
     fixed = [
-        f"{parameter_heading(str(name))} = {c.item()}"
+        f"{parameter_heading(str(name))} = {_plain(c.item())}"
         for name, c in table.coords.items()
         if c.ndim == 0 and c.item() != -1
     ]
     if fixed:
         lines += ["", "Held fixed: " + ", ".join(fixed) + "."]
     return lines
+
+
+def _plain(value: object) -> str:
+    """A value as a reader wants it: a real number to six digits, and with a point."""
+    if not isinstance(value, float):
+        return str(value)
+    text = f"{value:.6g}"
+    return text if set(text) & set(".en") else f"{text}.0"
 
 
 def _read_front(table: xr.Dataset) -> list[str]:
