@@ -52,8 +52,8 @@ class Outcome:
 
     @property
     def label(self) -> str:
-        """The label of a run that ended well, else ``failed``; "" for a run without a label."""
-        return self.trust if self.status == "ok" else "failed"
+        """The label of a run that ended well, else ``failed``; ``unlabelled`` for a run without a label."""
+        return (self.trust or "unlabelled") if self.status == "ok" else "failed"
 
 
 def execute(computation: Computation, threads: int, progress: Progress = False) -> xr.Dataset:
