@@ -66,9 +66,7 @@ def standing(layout: Layout, now: float) -> str:
         lines.append(f"  {what} {duration(seconds)} left")
     counts = labels(state)
     if counts:
-        lines.append(
-            "  " + ", ".join(f"{counts[word]} {word or 'without label'}" for word in counts)
-        )
+        lines.append("  " + ", ".join(f"{counts[word]} {word}" for word in counts))
     return "\n".join(lines)
 
 

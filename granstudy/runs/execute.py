@@ -186,7 +186,7 @@ def failed_dataset(computation: Computation, reason: str) -> xr.Dataset:
 
 
 def label_of(path: Path) -> str:
-    """Label of a run in a file; "" for a run without one."""
+    """Label of a run in a file (`Outcome.label`)."""
     return _outcome("", read_dataset(path), None).label
 
 

@@ -197,7 +197,7 @@ def _forget_jobs(layout: Layout, left: Iterable[str]) -> None:
 
 
 def labels(state: State) -> Counter[str]:
-    """How many runs have which label, of those that are there; one without a label counts as ``""``."""
+    """How many of the runs that are there have which label (`granstudy.runs.execute.Outcome.label`)."""
     known = read_json(state.layout.labels)
     unknown = [key for key in state.there if key not in known]
     if unknown:
