@@ -53,8 +53,9 @@ def read_study_file(path: str | Path) -> StudyFile:
     ValueError
         One line an error, each naming the file, the field, the value and what is allowed.
     """
+    content = read_yaml(path)
     check_study_name(path)
-    return study_model(read_yaml(path), str(path))
+    return study_model(content, str(path))
 
 
 def study_model(content: Any, source: str = "study") -> StudyFile:
