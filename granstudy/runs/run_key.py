@@ -1,13 +1,13 @@
 """The key of a run: a hash over all that its numbers depend on, parameters and code."""
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from granstudy.collision.choice.cheapest import choose_method
 from granstudy.collision.choice.grid import fit_solver
 from granstudy.collision.choice.methods import maker
 from granstudy.model.choice import Choice
-from granstudy.runs.computation import Computation
+from granstudy.runs.computation import Computation, ladder
 from granstudy.runs.estimates import chosen
 from granstudy.runs.kinds import KINDS
 from granstudy.runs.refinement import refined
@@ -27,6 +27,12 @@ def run_keys(computations: Sequence[Computation]) -> list[str]:
         hashlib.sha256(f"{computation.parameters}\n{prints[modules]}".encode()).hexdigest()[:32]
         for computation, modules in zip(computations, codes, strict=True)
     ]
+
+
+def rung_keys(computations: Iterable[Computation]) -> list[str]:
+    """Keys of the runs that runs with a refinement may go through; none of runs without one."""
+    rungs = [rung for one in computations if one.refinement is not None for rung in ladder(one)]
+    return run_keys(rungs)
 
 
 def code_of_run(computation: Computation) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +10,7 @@ from pathlib import Path
 import xarray as xr
 from filelock import FileLock
 
-from granstudy.datasets.netcdf import read_dataset, write_dataset
+from granstudy.datasets.netcdf import read_dataset, read_head, write_dataset
 from granstudy.support.files import TEMPORARY_PREFIX
 
 FOLDER = ".runs"
@@ -79,6 +79,20 @@ class Store:
             self.remove(key)
             return None
         return ds
+
+    def heal(self, keys: Iterable[str]) -> list[str]:
+        """Remove the runs among these that are damaged, so that they are computed anew; their keys."""
+        damaged = []
+        for key in keys:
+            path = self.path(key)
+            try:
+                right = not path.is_file() or read_head(path).attrs.get("run_key") == key
+            except (OSError, ValueError):
+                right = False
+            if not right:
+                self.remove(key)
+                damaged.append(key)
+        return damaged
 
     def write(self, key: str, ds: xr.Dataset, duration: float) -> None:
         """Keep a run under its key, whole or not at all; ``duration`` is its wall time in seconds."""

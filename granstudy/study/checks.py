@@ -31,24 +31,26 @@ def check_computation(computation: Computation) -> None:
     kind, solver = KINDS[computation.kind], computation.solver
     if solver.N is None and kind.needs_size:
         raise ValueError(f"N=None: {computation.kind} runs need N and R")
+    _check_method(computation)
     kind.check(computation)
     check_estimate(computation)  # t_final must be a whole number of steps
     if solver.traits.by_particles:
-        _check_particles(computation)
+        alpha_table(computation.scene.restitution, chosen(computation).solver.R)
     else:
         _check_operator(computation)
     if computation.time is not None:
         check_frame(computation.scene, chosen(computation).solver, computation.time)
 
 
-def _check_particles(computation: Computation) -> None:
-    method = computation.solver.method
-    if not KINDS[computation.kind].by_particles:
+def _check_method(computation: Computation) -> None:
+    """Raise ValueError for particles in a run that they cannot do."""
+    solver = computation.solver
+    if solver.traits.by_particles and not KINDS[computation.kind].by_particles:
         able = " and ".join(name for name, kind in KINDS.items() if kind.by_particles)
         raise ValueError(
-            f"method={method!r}: has no collision operator for {computation.kind} runs, only {able} runs"
+            f"method={solver.method!r}: has no collision operator for {computation.kind} runs, only "
+            f"{able} runs"
         )
-    alpha_table(computation.scene.restitution, chosen(computation).solver.R)
 
 
 def _check_operator(computation: Computation) -> None:
@@ -83,6 +85,11 @@ def _check_measures(run: Run) -> None:
 
 def _check_nodes(run: Run) -> None:
     own, other = chosen(run.computation).solver, chosen(run.reference.computation).solver
+    if own.traits.radial != other.traits.radial:
+        raise ValueError(
+            f"method {own.method!r}: has other velocity nodes than its reference's method "
+            f"{other.method!r}; a {run.model.run} run and its reference must share them"
+        )
     for name in ("N", "R"):
         mine, its = getattr(own, name), getattr(other, name)
         if mine != its:
@@ -90,8 +97,3 @@ def _check_nodes(run: Run) -> None:
                 f"{name}={mine!r}: the reference has {name}={its!r}; a {run.model.run} run and its reference "
                 f"must share their velocity nodes: leave {name} out of the reference"
             )
-    if own.traits.radial != other.traits.radial:
-        raise ValueError(
-            f"method {own.method!r}: has other velocity nodes than its reference's method "
-            f"{other.method!r}; a {run.model.run} run and its reference must share them"
-        )

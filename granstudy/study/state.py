@@ -8,6 +8,7 @@ from pathlib import Path
 
 from granstudy.runs.estimates import estimate_run
 from granstudy.runs.execute import label_of
+from granstudy.runs.run_key import rung_keys
 from granstudy.runs.store import is_link, link, sidecar
 from granstudy.study.jobs import Job, jobs
 from granstudy.study.layout import Layout
@@ -155,6 +156,7 @@ def _show_runs(state: State, file: str | Path | None) -> None:
         "study": layout.study.name,
         "file": "" if file is None else str(Path(file).resolve()),
         "runs": runs,
+        "rungs": rung_keys(m.run.computation for m in layout.study.members),
         "older": state.older,
     }
     if content != before:

@@ -12,7 +12,7 @@ from granstudy.datasets.gathering import agreed
 from granstudy.runs.store import Store
 from granstudy.support.own_code.code import name_of
 from granstudy.trust.flags import Status, flag_variable
-from granstudy.workbench.points import shown
+from granstudy.workbench.points import LOST, shown
 from granstudy.workbench.tasks import CallTask, call_key
 
 
@@ -49,9 +49,13 @@ def call_runs(keys: Sequence[str], store: Store) -> xr.Dataset:
     ------
     ValueError
         If results differ in the axes of a variable, or in the length of an axis without coordinates.
+    RuntimeError
+        If no file can be read.
     """
-    read = {key: store.read(key) for key in keys}
-    found = [_with_reason(ds) for ds in read.values() if ds is not None]
+    read = {key: ds for key in keys if (ds := store.read(key)) is not None}
+    if not read:
+        raise RuntimeError(f"no point can be read: {LOST}")
+    found = [_with_reason(ds) for ds in read.values()]
     scalars = {name for ds in found for name in ds.coords if name not in ds.dims}
     found = [ds.reset_coords() for ds in found]
     kinds = {name: v.dtype for ds in found for name, v in ds.variables.items()}

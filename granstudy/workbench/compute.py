@@ -2,6 +2,7 @@
 
 import logging
 import os
+import signal
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -83,8 +84,9 @@ def compute(
                     bar.update(min(task.seconds, seconds - bar.n))
                     bar.set_postfix_str(f"{len(found)} of {len(left)} runs")
         except KeyboardInterrupt:
+            done = sum(task.key in store for task in left)
             raise KeyboardInterrupt(
-                f"stopped: {len(found)} of {len(left)} runs are done and kept; the same call goes on"
+                f"stopped: {done} of {len(left)} runs are done and kept; the same call goes on"
             ) from None
     return found
 
@@ -113,12 +115,21 @@ def _cluster(
         LocalCluster(
             n_workers=count,
             threads_per_worker=1,
-            dashboard_address=None,
+            dashboard_address=":0",
             silence_logs=logging.CRITICAL,  # workers that are told to end, and take their time
         ) as cluster,
         Client(cluster) as made,
     ):
+        made.run(_leave_interrupts)
         yield made
+
+
+async def _leave_interrupts() -> None:
+    """Let a worker of this machine leave ^C, which a terminal sends to it too, to the process that began it.
+
+    It is a coroutine so that it runs in the worker's main thread, as signals ask for.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _client() -> "Client | None":

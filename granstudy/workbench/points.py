@@ -24,6 +24,9 @@ Values = Sequence[Any] | np.ndarray | Mapping[str, Any]
 Point = dict[str, Any]
 """The value of each swept parameter."""
 
+LOST = "its file was damaged and is removed; the same call computes it anew"
+"""Why a point has no run although nothing failed."""
+
 
 def listed(over: Mapping[str, Values], fixed: Mapping[str, Any]) -> dict[str, list[Any]]:
     """The values of each swept parameter, as numbers of Python.
@@ -155,7 +158,10 @@ def at_points(
     row = {key: i for i, key in enumerate(runs["run_key"].values.tolist())}
     places = np.array([row.get(key, -1) for key in keys])
     found = _with_holes(runs, places)
-    causes = [failures.get(key, "") for key in keys]
+    causes = [
+        "" if place >= 0 else failures.get(key, LOST)
+        for place, key in zip(places, keys, strict=True)
+    ]
     reasons = found["reason"].values.tolist()
     status = np.where(places < 0, np.int8(Status.FAILED), found["status"].values)
     found = found.assign(

@@ -73,5 +73,7 @@ def roots(results: str | Path) -> Iterator[tuple[str, set[str]]]:
 
 
 def _keys(manifest: dict[str, object]) -> set[str]:
-    runs = manifest.get("runs", {})
-    return set(runs.values()) if isinstance(runs, dict) else set()
+    """Runs of a study, and those that its refined runs go through."""
+    runs, rungs = manifest.get("runs", {}), manifest.get("rungs", [])
+    found = set(runs.values()) if isinstance(runs, dict) else set()
+    return found | set(rungs) if isinstance(rungs, list) else found

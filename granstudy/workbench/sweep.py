@@ -14,7 +14,7 @@ from granstudy.runs.computation import Computation, Refinement
 from granstudy.runs.estimates import estimate_run
 from granstudy.runs.execute import Outcome
 from granstudy.runs.kinds import KINDS
-from granstudy.runs.run_key import run_keys
+from granstudy.runs.run_key import run_keys, rung_keys
 from granstudy.runs.store import Store
 from granstudy.study.checks import check_computation
 from granstudy.support.errors import unknown_name
@@ -128,8 +128,10 @@ def sweep(
         RunTask(one, key, estimate_run(one).cost.seconds)
         for one, key in zip(computations, keys, strict=True)
     ]
-    write_root(results, name, keys)
+    write_root(results, name, [*keys, *rung_keys(computations)])
     failures = _failures(compute(tasks, store, **how))
+    if store.heal(keys):  # a file was damaged since
+        failures |= _failures(compute(tasks, store, **how))
     files = {key: store.path(key) for key in _there(keys, failures)}
     runs = open_runs(list(files.values()), densities=True) if densities else gather(files)
     return at_points(runs, keys, labelled, failures)

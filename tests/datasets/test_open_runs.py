@@ -135,7 +135,7 @@ def test_mixed_runs_open_together(tmp_path):
     gs.write_dataset(bulk, tmp_path / "d.nc")
     runs = gs.open_runs(tmp_path)
     np.testing.assert_array_equal(runs["e"], [0.5, np.nan, 0.5, 0.5])
-    assert runs["restitution"].values.tolist() == ["", repr(law), "", ""]
+    assert runs["restitution"].values.tolist() == ["", "viscoelastic", "", ""]
     np.testing.assert_array_equal(runs["dt"], [0.1, 0.1, np.nan, np.nan])
     np.testing.assert_array_equal(runs["time_rtol"], [-1.0, -1.0, 1e-4, -1.0])
     assert runs["kind"].values.tolist() == ["", "", "", "mine"]

@@ -51,7 +51,7 @@ def test_flat_words_are_fields():
 
 def test_epsilon_is_the_old_word():
     with pytest.warns(
-        DeprecationWarning, match="diffusion: is called diffusion now; write diffusion=0.1"
+        DeprecationWarning, match="epsilon: is called diffusion now; write diffusion=0.1"
     ):
         scene = gs.load_scene("bkw2d", epsilon=0.1)
     assert scene.diffusion == 0.1

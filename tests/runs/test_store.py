@@ -13,7 +13,7 @@ from granstudy.datasets.netcdf import write_dataset
 from granstudy.runs import execute
 from granstudy.runs.computation import Computation, Refinement
 from granstudy.runs.execute import obtain
-from granstudy.runs.run_key import run_key
+from granstudy.runs.run_key import run_key, rung_keys
 from granstudy.runs.store import Store, is_link, link, sidecar
 
 
@@ -200,3 +200,22 @@ def test_files_beside_runs_do_not_count_as_runs(store):
     obtain(cooling(), run_key(cooling()), store)
     write_dataset(store.read(run_key(cooling())), store.folder / "index.nc")
     assert store.keys() == {run_key(cooling())}
+
+
+def test_damaged_runs_are_found_and_removed_to_be_computed_anew(store):
+    keys = [run_key(one) for one in (cooling(0.5), cooling(0.7))]
+    for one, key in zip((cooling(0.5), cooling(0.7)), keys, strict=True):
+        obtain(one, key, store)
+    assert store.heal(keys) == []
+    data = bytearray(store.path(keys[0]).read_bytes())
+    data[len(data) // 2] ^= 4
+    store.path(keys[0]).write_bytes(data)
+    assert store.heal(keys) == [keys[0]] and store.keys() == {keys[1]}
+
+
+def test_the_rungs_of_a_ladder_have_keys_of_their_own(store):
+    one = cooling()
+    ladder = ladder_of_N(12, 16)
+    refined = Computation(one.kind, one.scene, one.solver, one.time_fields, refinement=ladder)
+    obtain(refined, run_key(refined), store)
+    assert rung_keys([one]) == [] and set(rung_keys([refined])) < store.keys()

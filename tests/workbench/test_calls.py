@@ -191,3 +191,18 @@ def test_results_that_do_not_fit_together_are_told():
 
     ds = sweep(has_a_status, over={"n": [1]})
     assert "give it another name" in str(ds["reason"].values)
+
+
+def test_a_damaged_file_is_a_hole_that_the_same_call_fills(here):
+    sweep(line, over={"slope": [1.0, 2.0]})
+    files = list((here / "results/.runs").glob("??/*.nc"))
+    files[0].write_bytes(files[0].read_bytes()[:-1])
+    ds = sweep(line, over={"slope": [1.0, 2.0]})
+    assert sorted(ds["status"].values.tolist()) == [Status.OK, Status.FAILED]
+    assert "its file was damaged and is removed" in " ".join(ds["reason"].values)
+    assert (sweep(line, over={"slope": [1.0, 2.0]})["status"] == Status.OK).all()
+    for file in files:
+        file.write_bytes(b"")
+    with pytest.raises(RuntimeError, match="no point can be read"):
+        sweep(line, over={"slope": [1.0, 2.0]})
+    assert (sweep(line, over={"slope": [1.0, 2.0]})["status"] == Status.OK).all()

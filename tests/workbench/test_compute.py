@@ -20,7 +20,7 @@ E = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
 @pytest.fixture(scope="module")
 def cluster():
     """Two workers in two processes."""
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster:
         yield cluster
 
 
@@ -113,7 +113,7 @@ def test_a_study_is_computed_by_a_cluster(here, client, computed):
 def test_a_worker_that_is_killed_loses_nothing(here):
     over = {"e": [round(0.02 * k, 2) for k in range(1, 31)]}
     with (
-        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster,
         Client(cluster) as client,
     ):
         pids = list(client.run(os.getpid).values())

@@ -71,6 +71,7 @@ def each_attempt_more(amount):
 localrules:
     all,
     plan,
+    dataset,
     table,
     figure,
     map,
