@@ -91,7 +91,7 @@ MOMENTS_OF_TIME = 400
 
 
 COLDEST = 1e-290
-"""Temperature that the estimate does not go below: Maxwell molecules cool exponentially, to 0 in round-off."""
+"""Temperature of the estimate at least: Maxwell molecules cool exponentially, in round-off to 0."""
 
 
 def adaptive_steps(
