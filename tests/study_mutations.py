@@ -2,6 +2,7 @@
 
 import copy
 import random
+from contextlib import suppress
 from pathlib import Path
 
 import yaml
@@ -117,7 +118,8 @@ def mutated(seed):
     kept = {each: study["experiments"][each] for each in (name, *beside)}
     study = copy.deepcopy({"title": study["title"], "experiments": kept})
     for _ in range(chance.choice((1, 1, 1, 2, 3, 4))):
-        chance.choice(CHANGES)(chance, study)
+        with suppress(IndexError):  # where little is left of the study
+            chance.choice(CHANGES)(chance, study)
     text = yaml.dump(study, Dumper=_Dumper, sort_keys=False, allow_unicode=True)
     return _scrambled(chance, text) if chance.random() < 0.1 else text
 

@@ -90,6 +90,10 @@ MOMENTS_OF_TIME = 400
 """Times along the law of T at which an adaptive run's steps are estimated."""
 
 
+COLDEST = 1e-290
+"""Temperature of the estimate at least: Maxwell molecules cool exponentially, in round-off to 0."""
+
+
 def adaptive_steps(
     scene: Scene, grid: VelocitySpace, scheme: str, rtol: float, t_final: float, *, rescaled: bool
 ) -> int:
@@ -116,7 +120,7 @@ def adaptive_steps(
         for _ in range(4):
             following += h / 2 * scene.diffusion
             following /= 1.0 + h / 4 * K * following ** (exponent / 2)
-        temperatures.append(following)
+        temperatures.append(max(following, COLDEST))
     T = np.array(temperatures)
     mean_speed = (4.0 * T) ** (exponent / 2) * gamma((dim + exponent) / 2) / gamma(dim / 2)
     frequency = largest_frequency(scene.kernel, dim, 1.0, rho) * mean_speed

@@ -93,7 +93,7 @@ def load_scene(
         For an unknown name or word, two words that say the same, an argument that density and law both take,
         or a value that its field does not allow.
     """
-    folder = Path.cwd() if beside is None else Path(beside)
+    folder = Path.cwd() if beside is None else beside
     words = {key: value for key, value in overrides.items() if key in SCENE_WORDS}
     own = {key: value for key, value in overrides.items() if key not in SCENE_WORDS}
     _check_words(words)

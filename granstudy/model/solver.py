@@ -169,13 +169,15 @@ class Solver:
 
     def _make_plain(self) -> None:
         """Keep numbers of NumPy as numbers of Python, R and rtol as floats, a pair of nodes as a tuple."""
-        for field in dataclasses.fields(Solver):
-            value = plain(getattr(self, field.name))
-            if field.name in REAL and is_real(value):
+        for name, _ in _defaults():
+            given = getattr(self, name)
+            value = plain(given)
+            if name in REAL and is_real(value):
                 value = float(value)
-            elif field.name == "M_sph" and isinstance(value, list | tuple):
+            elif name == "M_sph" and isinstance(value, list | tuple):
                 value = tuple(plain(each) for each in value)
-            object.__setattr__(self, field.name, value)
+            if value is not given:
+                object.__setattr__(self, name, value)
 
     def _check_grid(self) -> None:
         """Raise ValueError unless N and R are both good, or both open and a tolerance chooses them."""

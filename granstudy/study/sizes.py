@@ -2,6 +2,7 @@
 
 import math
 import os
+from functools import cache
 from typing import Any
 
 from granstudy.model.solver import Solver
@@ -97,8 +98,17 @@ def machine_memory_mb() -> float:
         If the environment variable `MEMORY` is no positive number.
     """
     said = os.environ.get(MEMORY)
-    if said is None:
-        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**20
+    return _physical_mb() if said is None else _stated_mb(said)
+
+
+@cache
+def _physical_mb() -> float:
+    """Megabytes of this machine; asked once, as runs are checked by the thousand."""
+    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**20
+
+
+def _stated_mb(said: str) -> float:
+    """Megabytes that the environment states."""
     try:
         gigabytes = float(said)
     except ValueError:

@@ -113,3 +113,12 @@ def test_adaptive_steps_are_within_a_factor_3(dim, exponent, strength, e, epsilo
     assert int(ds["status"]) == 0
     made = json.loads(ds.attrs["steps"])["evaluations"]
     assert made / 3 < forecast.evaluations < 3 * made
+
+
+@pytest.mark.parametrize("frame", ["fixed", "rescaled"])
+def test_a_gas_that_cools_below_every_number_has_a_forecast(frame):
+    scene = gs.load_scene("maxwellian3d", e=0.5, exponent=0.0, diffusion=0.0)
+    solver = gs.Solver(N=16, R=9.0, method="radial", threads=1)
+    settings = {"time_rtol": 1e-6, "frame": frame}
+    short, long = (gs.plan(scene, solver, t_final=t, **settings).evaluations for t in (1e4, 1e6))
+    assert 50 < long / short < 200
