@@ -10,7 +10,7 @@ rule dataset:
         "../envs/granstudy.yaml"
     params:
         study=STUDY_FILE,
-        results=RESULTS_FOLDER,
+        results=lambda wildcards: RESULTS_FOLDER,
         code=fingerprint(["granstudy.datasets.collected"]),
     message:
         "dataset {wildcards.experiment}"
@@ -30,7 +30,7 @@ rule table:
         "../envs/granstudy.yaml"
     params:
         study=STUDY_FILE,
-        results=RESULTS_FOLDER,
+        results=lambda wildcards: RESULTS_FOLDER,
         request=lambda wildcards: LAYOUT.table_request(wildcards.experiment),
         code=fingerprint(["granstudy.analysis.tables.table"]),
     message:
@@ -52,7 +52,7 @@ rule figure:
         "../envs/granstudy.yaml"
     params:
         study=STUDY_FILE,
-        results=RESULTS_FOLDER,
+        results=lambda wildcards: RESULTS_FOLDER,
         request=lambda wildcards: LAYOUT.figure_request(wildcards.experiment),
         code=fingerprint(["granstudy.analysis.figures.figure"]),
     message:

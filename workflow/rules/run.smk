@@ -19,7 +19,7 @@ for job in JOBS.values():
             runtime=each_attempt_more(job.minutes),
         params:
             study=STUDY_FILE,
-            results=RESULTS_FOLDER,
+            results=lambda wildcards: RESULTS_FOLDER,
             job=LAYOUT.job_file(job.id),
         message:
             f"{len(job.runs)} runs from {job.runs[0][0]}/{job.runs[0][1]}"
