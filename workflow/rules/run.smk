@@ -40,6 +40,8 @@ for name, waited in receipts_by_experiment().items():
         log:
             f"{RESULTS}/logs/runs/{name}.log",
         localrule: True
+        conda:
+            "../envs/granstudy.yaml"
         params:
             awaited=LAYOUT.awaited(name),
         message:
