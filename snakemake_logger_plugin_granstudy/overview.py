@@ -52,6 +52,11 @@ class Now:
     running: list[Any]
 
 
+def announce(path: Path) -> None:
+    """Say where the overview lies: the screen of this process looks there."""
+    os.environ[VARIABLE] = str(path)
+
+
 def read_overview() -> tuple[Overview, Path] | None:
     """The overview and its folder; None where there is none."""
     path = os.environ.get(VARIABLE)

@@ -1,9 +1,8 @@
 # The study, loaded and checked once; where its results lie (granstudy/study/layout.py); what is left to do.
-import os
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
-from snakemake_logger_plugin_granstudy import interrupt, locks
+from snakemake_logger_plugin_granstudy import interrupt, locks, overview
 
 from granstudy.study.jobs import Job
 from granstudy.study.layout import Layout
@@ -38,7 +37,7 @@ RESULTS = LAYOUT.results
 # The jobs that are left: each is written to a file, which a job on a cluster finds there.
 if workflow.is_main_process:
     JOBS = {job.id: job for job in prepare(LAYOUT, STUDY_FILE, workflow.cores)}
-    os.environ["GRANSTUDY_OVERVIEW"] = str(LAYOUT.overview)
+    overview.announce(LAYOUT.overview)
 else:
     JOBS = {
         path.stem: Job.read(path)
