@@ -64,6 +64,7 @@ class Job:
     rule: str
     state: str
     partition: str
+    cores: int
     memory_mb: int
     minutes: float
 
@@ -97,12 +98,14 @@ class Cluster:
 
     def jobs(self) -> dict[str, Job]:
         """The jobs that the controller still knows, by number, the oldest first."""
-        form = "%i %k %T %P %m %l"  # the plugin puts the rule into the comment, %k
+        form = "%i %k %T %P %C %m %l"  # the plugin puts the rule into the comment, %k
         asked = ["squeue", "--states=all", "--noheader", "--sort=i", f"--format={form}"]
         jobs = {}
         for line in self.ask(*asked).splitlines():
-            number, rule, state, partition, memory, limit = line.split()
-            jobs[number] = Job(rule, state, partition, int(memory.rstrip("M")), _minutes(limit))
+            number, rule, state, partition, cores, memory, limit = line.split()
+            jobs[number] = Job(
+                rule, state, partition, int(cores), int(memory.rstrip("M")), _minutes(limit)
+            )
         return jobs
 
     def pids(self, job: str) -> list[int]:

@@ -31,8 +31,8 @@ def check_computation(computation: Computation) -> None:
     kind, solver = KINDS[computation.kind], computation.solver
     if solver.N is None and kind.needs_size:
         raise ValueError(f"N=None: {computation.kind} runs need N and R")
-    _check_method(computation)
     kind.check(computation)
+    _check_method(computation)
     check_estimate(computation)  # t_final must be a whole number of steps
     if solver.traits.by_particles:
         alpha_table(computation.scene.restitution, chosen(computation).solver.R)

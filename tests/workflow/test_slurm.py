@@ -1,5 +1,6 @@
 """The workflow on a Slurm cluster of one node; by `literal`, as nothing of it has to be compiled."""
 
+import contextlib
 import os
 import shutil
 import signal
@@ -22,6 +23,7 @@ EXPERIMENT = """
     run: evolution
     scene: {{name: bkw2d}}
     solver: {{R: 7.8, N_rho: 8, M_cir: 8, method: literal}}
+    threads: {threads}
     time: {{t_final: {t_final}, dt: 0.05}}
     sweep:
       - {{e: {e}, N: {N}}}
@@ -30,13 +32,13 @@ EXPERIMENT = """
 """
 
 SMALL = "title: small\nexperiments:" + "".join(
-    EXPERIMENT.format(name=name, e=e, N="[8, 10, 12]", t_final=0.1)
-    for name, e in (("inelastic", "[0.2, 0.5]"), ("sticky", "[0.0, 0.01]"))
+    EXPERIMENT.format(name=name, e=e, threads=threads, N="[8, 10, 12]", t_final=0.1)
+    for name, e, threads in (("inelastic", "[0.2, 0.5]", 1), ("sticky", "[0.0, 0.01]", 2))
 )
-"""Twelve cheap runs in two jobs."""
+"""Twelve cheap runs in two jobs, which take different numbers of cores."""
 
 SLOW = "title: slow\nexperiments:" + EXPERIMENT.format(
-    name="slow", e="[0.5]", N="[8, 128]", t_final=2.0
+    name="slow", e="[0.5]", threads=1, N="[8, 128]", t_final=6.0
 )
 """One job: a run of a moment, then one that takes a while."""
 
@@ -58,7 +60,7 @@ def cluster():
 @pytest.fixture
 def project(tmp_path):
     """A copy of what a clone holds, with the tests' studies."""
-    for name in ("granstudy", "workflow", "profiles"):
+    for name in ("granstudy", "snakemake_logger_plugin_granstudy", "workflow", "profiles"):
         shutil.copytree(
             REPOSITORY / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__")
         )
@@ -105,21 +107,27 @@ def wait_for(condition, process):
     return found
 
 
+FIRST = "results/slow/runs/slow/e~0.5/N~8.nc"
+"""Name of the slow job's first run."""
+
+
 def first_computed(project):
-    """When the first run of the slow job was computed: its sidecar is written then, and never again."""
-    return (project / "results/slow/runs/slow/e~0.5/N~8.nc.json").stat().st_mtime_ns
+    """When that run was computed: the file beside it is written then, and never again."""
+    return (project / f"{FIRST}.json").stat().st_mtime_ns
 
 
-def kept(project):
-    """What the slow job keeps for its next attempt."""
-    return list((project / "results/slow/runs/.unfinished/slow").glob("[!.]*.nc"))
+def receipts(project, study):
+    """The jobs of a study that have computed all their runs, by their names on the cluster."""
+    return [
+        f"rule_run_{path.stem}" for path in (project / "results" / study / "jobs").glob("*.done")
+    ]
 
 
 def started_and_computing(project, cluster, *arguments):
     """A slow study on its way: its process, and its job once that is in its second run."""
     before = cluster.jobs()
     process = submit(project, cluster, "slow.yaml", *arguments)
-    wait_for(lambda: kept(project), process)
+    wait_for((project / FIRST).exists, process)
     (number,) = cluster.jobs().keys() - before.keys()
     return process, number
 
@@ -128,10 +136,13 @@ def test_a_study_runs_as_jobs_and_gives_the_tables_of_a_local_one(project, clust
     before = cluster.jobs()
     output = finish(submit(project, cluster, "small.yaml"))
     jobs = [job for number, job in cluster.jobs().items() if number not in before]
-    # Tables and figures are made where snakemake was started.
-    assert sorted(job.rule for job in jobs) == ["rule_run_inelastic_1", "rule_run_sticky_1"]
+    # Datasets, tables and figures are made where snakemake was started.
+    assert sorted(job.rule for job in jobs) == sorted(receipts(project, "small"))
+    assert sorted(job.cores for job in jobs) == [1, 2]
     assert all(job.state == "COMPLETED" for job in jobs), output
+    assert "results/small: 12 of 12 runs are done" in output
     assert len(list((project / "results/small/runs").rglob("*.nc"))) == 12
+    assert len(list((project / "results/.runs").rglob("*.nc"))) == 12
     assert len(list((project / "results/small/figures").glob("*.png"))) == 2
 
     tables = [f"here/small/tables/{name}.csv" for name in ("inelastic", "sticky")]
@@ -146,14 +157,15 @@ def test_a_job_killed_on_its_node_is_tried_again_with_more_memory_and_time(proje
     process, number = started_and_computing(project, cluster)
     computed = first_computed(project)
     for pid in cluster.pids(number):
-        os.kill(pid, signal.SIGKILL)
+        with contextlib.suppress(ProcessLookupError):  # it ended with one that was killed before
+            os.kill(pid, signal.SIGKILL)
     finish(process)
     killed = cluster.jobs()[number]
     again = list(cluster.jobs().values())[-1]
     assert (killed.state, again.state) == ("FAILED", "COMPLETED")
-    assert killed.rule == again.rule == "rule_run_slow_1"
+    assert [killed.rule, again.rule] == 2 * receipts(project, "slow")
     assert (again.memory_mb, again.minutes) == (2 * killed.memory_mb, 2 * killed.minutes)
-    # The second attempt went on where the first stopped.
+    # The second attempt left alone what the first had computed.
     assert first_computed(project) == computed
     assert read_dataset(project / "results/slow/runs/slow/e~0.5/N~128.nc")["status"] == 0
     assert (project / "results/slow/figures/slow.png").exists()
@@ -164,7 +176,9 @@ def test_ctrl_c_cancels_the_jobs_and_the_same_command_goes_on(project, cluster):
     process, number = started_and_computing(project, cluster, *partition)
     computed = first_computed(project)
     os.killpg(process.pid, signal.SIGINT)
-    finish(process, succeeds=False)
+    output = finish(process, succeeds=False)
+    assert "the same command goes on" in output and "Traceback" not in output, output
+    assert receipts(project, "slow") == []
     cancelled = cluster.jobs()[number]
     assert (cancelled.state, cancelled.partition) == ("CANCELLED", "long")
     finish(submit(project, cluster, "slow.yaml"))

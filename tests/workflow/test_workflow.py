@@ -165,7 +165,7 @@ def test_a_value_added_to_a_list_adds_runs_and_nothing_else(project):
         ("N_rho: 8", "N_roh: 8", "did you mean 'N_rho'?"),
         ("kind: convergence", "kind: convergense", "figure.kind: unknown kind 'convergense'"),
         ("name: bkw2d", "name: bkw2", "did you mean 'bkw2d'?"),
-        ("e: [0.5]", "e: [1.5]", "restitution=1.5: must lie between 0 and 1"),
+        ("e: [0.5]", "e: [1.5]", "e=1.5: must be a number between 0 and 1"),
     ],
 )
 def test_bad_studies_get_one_clear_error_before_any_work(project, old, new, message):

@@ -34,9 +34,12 @@ except ValueError as error:
 
 RESULTS = LAYOUT.results
 
+# None on a cluster, where `workflow.cores` would be an error.
+CORES = workflow.resource_settings.cores
+
 # The jobs that are left: each is written to a file, which a job on a cluster finds there.
 if workflow.is_main_process:
-    JOBS = {job.id: job for job in prepare(LAYOUT, STUDY_FILE, workflow.cores)}
+    JOBS = {job.id: job for job in prepare(LAYOUT, STUDY_FILE, CORES)}
     overview.announce(LAYOUT.overview)
 else:
     JOBS = {
