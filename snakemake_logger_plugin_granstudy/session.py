@@ -159,6 +159,7 @@ class Session:
 
     def _finished(self, record: Any) -> list[str]:
         step = self._active.pop(record.job_id, None)
+        self._failed.pop(record.job_id, None)  # it was tried again
         if step is None or step.job or not step.wanted:
             return []
         self._made.append(step.name)

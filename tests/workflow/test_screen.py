@@ -129,6 +129,18 @@ def test_a_session_from_its_beginning_to_its_end(study):
     ]
 
 
+def test_a_job_that_succeeds_when_it_is_tried_again_has_not_failed(study):
+    session = Session()
+    session.take(record(LogEvent.RUN_INFO, "Job stats: ..."))
+    for _ in range(2):
+        session.take(started(1, "runs", [str(study / "jobs/c.done")], "12 runs"))
+        session.take(failed(1, "runs", []))
+    assert session.end()[-1] == "  failed  12 runs"
+    session.take(started(1, "runs", [str(study / "jobs/c.done")], "12 runs"))
+    session.take(record(LogEvent.JOB_FINISHED, job_id=1))
+    assert not any("failed  " in line for line in session.end()[1:])
+
+
 def test_logs_that_are_empty_or_missing_are_called_so(tmp_path):
     (tmp_path / "empty").write_text("\n")
     logs = [str(tmp_path / "empty"), str(tmp_path / "none")]

@@ -153,13 +153,23 @@ def test_a_study_runs_as_jobs_and_gives_the_tables_of_a_local_one(project, clust
     assert all(grade is Grade.OK for *_, grade, _ in report), report
 
 
+def test_a_dry_run_shows_the_jobs_that_will_be_submitted(project, cluster):
+    before = cluster.jobs()
+    output = finish(submit(project, cluster, "slow.yaml", "--dry-run"))
+    # On one core, which is what a dry run claims to have, the two runs would be two jobs.
+    assert "2 runs from slow/e~0.5/N~8" in output
+    assert len(list((project / "results/slow/jobs").glob("[0-9a-f]*.json"))) == 1
+    assert cluster.jobs() == before
+
+
 def test_a_job_killed_on_its_node_is_tried_again_with_more_memory_and_time(project, cluster):
     process, number = started_and_computing(project, cluster)
     computed = first_computed(project)
     for pid in cluster.pids(number):
         with contextlib.suppress(ProcessLookupError):  # it ended with one that was killed before
             os.kill(pid, signal.SIGKILL)
-    finish(process)
+    output = finish(process)
+    assert output.count("FAILED  2 runs") == 1 and "  failed  2 runs" not in output, output
     killed = cluster.jobs()[number]
     again = list(cluster.jobs().values())[-1]
     assert (killed.state, again.state) == ("FAILED", "COMPLETED")

@@ -34,8 +34,10 @@ except ValueError as error:
 
 RESULTS = LAYOUT.results
 
-# None on a cluster, where `workflow.cores` would be an error.
+# Cores that share the work. None on a cluster, where a dry run claims to have one, beside `jobs` of the profile.
 CORES = workflow.resource_settings.cores
+if CORES == 1 and workflow.resource_settings.nodes is not None:
+    CORES = None
 
 # The jobs that are left: each is written to a file, which a job on a cluster finds there.
 if workflow.is_main_process:
