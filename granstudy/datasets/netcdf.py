@@ -27,7 +27,7 @@ from granstudy.datasets.storage.encoding import (
     is_density,
 )
 from granstudy.support.errors import DamagedFileError
-from granstudy.support.files import write_whole
+from granstudy.support.files import write_json, write_whole
 
 SCHEMA_VERSION = 2
 """Version of the layout of files; 1 was that of NetCDF-4 files with `payload_sha256`."""
@@ -189,4 +189,4 @@ def _write_sidecar(path: Path, duration: float | None) -> None:
         "host": platform.node(),
         "duration_seconds": duration,
     }
-    write_whole(path, lambda partial: partial.write_text(json.dumps(content, indent=1) + "\n"))
+    write_json(path, content)

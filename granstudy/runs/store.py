@@ -11,7 +11,7 @@ import xarray as xr
 from filelock import FileLock
 
 from granstudy.datasets.netcdf import read_dataset, read_head, write_dataset
-from granstudy.support.files import TEMPORARY_PREFIX
+from granstudy.support.files import remove_abandoned
 
 FOLDER = ".runs"
 """Name of the store's folder beside the results of the studies that share it."""
@@ -121,10 +121,7 @@ class Store:
     def sweep(self, age: float, now: float) -> None:
         """Remove unfinished files of killed processes that are older than ``age`` seconds."""
         for shelf in self._shelves():
-            for partial in shelf.glob(f"{TEMPORARY_PREFIX}*"):
-                with suppress(OSError):
-                    if now - partial.stat().st_mtime > age:
-                        partial.unlink()
+            remove_abandoned(shelf, age, now)
 
 
 def sidecar(path: Path) -> Path:
@@ -133,7 +130,12 @@ def sidecar(path: Path) -> Path:
 
 
 def link(source: Path, target: Path) -> None:
-    """Give a run's file, and the file beside it, another name; a copy where the disk knows no links."""
+    """Give a run's file, and the file beside it, another name; a copy where the disk knows no links.
+
+    A name that the run has already stays as it is.
+    """
+    if is_link(source, target):
+        return
     target.parent.mkdir(parents=True, exist_ok=True)
     for one, other in ((sidecar(source), sidecar(target)), (source, target)):
         if not one.is_file():

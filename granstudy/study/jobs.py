@@ -89,36 +89,36 @@ def jobs(runs: Sequence[Sequence[Member]], cores: int | None) -> list[Job]:
     cores : int or None
         Cores that the jobs share; None where each job gets a machine of its own.
     """
-    total = sum(map(_seconds, runs))
+    total = sum(map(seconds_of, runs))
     share = LONGEST if cores is None else total / (JOBS_PER_CORE * cores)
     enough = min(max(share, SHORTEST), LONGEST)
     found: list[Job] = []
     waiting: list[Sequence[Member]] = []
     together = 0.0
     for run in [*runs, None]:
-        alone = run is None or _seconds(run) >= enough
-        other = run is not None and bool(waiting) and _threads(run) != _threads(waiting[0])
+        alone = run is None or seconds_of(run) >= enough
+        other = run is not None and bool(waiting) and threads_of(run) != threads_of(waiting[0])
         if waiting and (together >= enough or alone or other):
             found.append(_job(waiting))
             waiting, together = [], 0.0
         if run is not None:
             waiting.append(run)
-            together += _seconds(run)
+            together += seconds_of(run)
     return sorted(found, key=lambda job: -job.total)
 
 
 def _job(runs: Sequence[Sequence[Member]]) -> Job:
     names = [(m.experiment, m.path, m.key) for run in runs for m in run]
-    seconds = [_seconds(run) if m is run[0] else 0.0 for run in runs for m in run]
+    seconds = [seconds_of(run) if m is run[0] else 0.0 for run in runs for m in run]
     memory = [estimate_run(run[0].run.computation).cost.memory_mb for run in runs]
-    return Job(tuple(names), tuple(seconds), _threads(runs[0]), max(memory))
+    return Job(tuple(names), tuple(seconds), threads_of(runs[0]), max(memory))
 
 
-def _seconds(run: Sequence[Member]) -> float:
+def seconds_of(run: Sequence[Member]) -> float:
     """Estimated time of a run on one core."""
     return estimate_run(run[0].run.computation).cost.seconds
 
 
-def _threads(run: Sequence[Member]) -> int:
+def threads_of(run: Sequence[Member]) -> int:
     """Most cores that an experiment gives the run."""
     return max(member.run.model.threads for member in run)

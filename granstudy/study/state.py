@@ -1,19 +1,19 @@
 """How far a study is: its runs that are in the store, and its folder that shows them."""
 
+import time
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from granstudy.runs.estimates import estimate_run
 from granstudy.runs.execute import label_of
 from granstudy.runs.run_key import rung_keys
-from granstudy.runs.store import is_link, link, sidecar
-from granstudy.study.jobs import Job, jobs
+from granstudy.runs.store import link, sidecar
+from granstudy.study.jobs import Job, jobs, seconds_of
 from granstudy.study.layout import Layout
 from granstudy.study.study import Member
-from granstudy.support.files import read_json, write_json
+from granstudy.support.files import ABANDONED, read_json, write_json
 
 
 @dataclass(frozen=True)
@@ -28,9 +28,14 @@ class State:
     layout: Layout
 
     @cached_property
+    def kept(self) -> set[str]:
+        """Keys of all runs in the store."""
+        return self.layout.store.keys()
+
+    @cached_property
     def there(self) -> set[str]:
         """Keys of the study's runs that are in the store."""
-        return self.layout.store.keys() & {member.key for member in self.layout.study.members}
+        return self.kept & {member.key for member in self.layout.study.members}
 
     @cached_property
     def missing(self) -> list[list[Member]]:
@@ -44,7 +49,7 @@ class State:
     @property
     def seconds(self) -> float:
         """Estimated time of the missing runs, on one core."""
-        return sum(estimate_run(same[0].run.computation).cost.seconds for same in self.missing)
+        return sum(map(seconds_of, self.missing))
 
     def words(self) -> dict[tuple[str, str], str]:
         """How each run stands, by experiment and path: ``done``, ``missing``, or ``stale``.
@@ -66,13 +71,12 @@ class State:
     @property
     def older(self) -> dict[str, str]:
         """Keys of older versions of runs, by experiment/path, where the store still has them."""
-        before, kept = read_json(self.layout.manifest), self.layout.store.keys()
-        found = {}
+        before, found = read_json(self.layout.manifest), {}
         for m in self.layout.study.members:
             name = f"{m.experiment}/{m.path}"
             for part in ("runs", "older"):
                 key = before.get(part, {}).get(name, m.key)
-                if key != m.key and key in kept:
+                if key != m.key and key in self.kept:
                     found[name] = key
         return found
 
@@ -124,7 +128,8 @@ def prepare(layout: Layout, file: str | Path, cores: int | None) -> list[Job]:
     left = jobs(state.missing, cores)
     for job in left:
         job.write(Path(layout.job_file(job.id)))
-    _forget_jobs(layout, {job.id for job in left})
+    _forget_jobs(state, {job.id for job in left})
+    layout.store.sweep(ABANDONED, time.time())
     _write_overview(state, left, cores)
     return left
 
@@ -149,9 +154,7 @@ def _show_runs(state: State, file: str | Path | None) -> None:
             _remove_empty(path.parent, Path(layout.runs))
     for m in layout.study.members:
         if m.key in state.there:
-            target = Path(layout.run_file(m.experiment, m.path))
-            if not is_link(store.path(m.key), target):
-                link(store.path(m.key), target)
+            link(store.path(m.key), Path(layout.run_file(m.experiment, m.path)))
     content = {
         "study": layout.study.name,
         "file": "" if file is None else str(Path(file).resolve()),
@@ -181,15 +184,15 @@ def _show_complete(state: State, name: str) -> None:
         write_json(path, keys)
 
 
-def _forget_jobs(layout: Layout, left: Iterable[str]) -> None:
+def _forget_jobs(state: State, left: Iterable[str]) -> None:
     """Remove the files of jobs whose runs are all in the store, once their labels are written down."""
-    store, keep = layout.store.keys(), set(left)
+    layout, keep = state.layout, set(left)
     labels = read_json(layout.labels)
     for receipt in layout.jobs.glob("*.done"):
         name = receipt.stem
         job = Path(layout.job_file(name))
         labels |= read_json(receipt)
-        done = not job.is_file() or all(key in store for _, _, key in Job.read(job).runs)
+        done = not job.is_file() or all(key in state.kept for _, _, key in Job.read(job).runs)
         if name not in keep and done:
             for file in layout.jobs.glob(f"{name}.*"):
                 file.unlink(missing_ok=True)

@@ -4,7 +4,7 @@ import traceback
 from pathlib import Path
 
 from granstudy.runs.execute import obtain
-from granstudy.runs.store import is_link, link
+from granstudy.runs.store import link
 from granstudy.study.jobs import Job
 from granstudy.study.layout import Layout
 from granstudy.study.run import Run
@@ -51,7 +51,7 @@ def work(job: Job, layout: Layout, threads: int, receipt: str | Path) -> None:
                 continue
             labels[key] = outcome.label
             for run in runs:
-                _name(layout, run, key)
+                link(layout.store.path(key), Path(layout.run_file(run.experiment, run.path)))
             if there:
                 reporter.found()
             else:
@@ -59,10 +59,3 @@ def work(job: Job, layout: Layout, threads: int, receipt: str | Path) -> None:
         if errors:
             raise JobError("\n".join(errors))
     write_json(Path(receipt), labels)
-
-
-def _name(layout: Layout, run: Run, key: str) -> None:
-    """Give a run in the store its name in the study's folder."""
-    source, target = layout.store.path(key), Path(layout.run_file(run.experiment, run.path))
-    if not is_link(source, target):
-        link(source, target)

@@ -5,19 +5,15 @@ import os
 import time
 import warnings
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 from platformdirs import user_cache_path
 
-from granstudy.support.files import TEMPORARY_PREFIX, sealed, unsealed, write_whole
+from granstudy.support.files import ABANDONED, remove_abandoned, sealed, unsealed, write_whole
 
 VARIABLE = "GRANSTUDY_CACHE"
 """Environment variable that names another cache folder."""
-
-ABANDONED = 86400.0
-"""Age in seconds from which an unfinished file counts as abandoned. Writing one takes seconds."""
 
 
 def cache_folder() -> Path:
@@ -58,7 +54,7 @@ def cached_array(name: str, compute: Callable[[], np.ndarray]) -> np.ndarray:
         array = compute()
         try:
             write_whole(path, lambda partial: partial.write_bytes(_pack(array, name)))
-            _remove_abandoned(path.parent)
+            remove_abandoned(path.parent, ABANDONED, time.time())
         except OSError as error:
             _say_not_kept(f"{path.parent}: {error}")
     return array
@@ -70,14 +66,6 @@ def _say_not_kept(reason: str) -> None:
         "folder that can be written to",
         stacklevel=3,
     )
-
-
-def _remove_abandoned(folder: Path) -> None:
-    """Remove unfinished files of the age `ABANDONED`. Other processes may remove the same files."""
-    for partial in folder.glob(f"{TEMPORARY_PREFIX}*"):
-        with suppress(OSError):
-            if time.time() - partial.stat().st_mtime > ABANDONED:
-                partial.unlink()
 
 
 def _pack(array: np.ndarray, name: str) -> bytes:

@@ -5,11 +5,15 @@ import json
 import os
 import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 TEMPORARY_PREFIX = ".partial-"
 """Start of the name of a file that is not yet whole; a killed process leaves such a file behind."""
+
+ABANDONED = 86400.0
+"""Age in seconds from which an unfinished file counts as abandoned. Writing one takes seconds."""
 
 DIGEST_BYTES = hashlib.sha256().digest_size
 """Bytes of the checksum at the head of a sealed file."""
@@ -80,3 +84,14 @@ def unsealed(content: bytes, seal: str) -> bytes | None:
     """The payload that `sealed` made with the same seal; None where it is damaged or another one."""
     payload = content[DIGEST_BYTES:]
     return payload if sealed(payload, seal) == content else None
+
+
+def remove_abandoned(folder: Path, age: float, now: float) -> None:
+    """Remove unfinished files in a folder that are older than ``age``, in seconds at the time ``now``.
+
+    Other processes may remove the same files.
+    """
+    for partial in folder.glob(f"{TEMPORARY_PREFIX}*"):
+        with suppress(OSError):
+            if now - partial.stat().st_mtime > age:
+                partial.unlink()

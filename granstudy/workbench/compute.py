@@ -1,7 +1,6 @@
 """Many runs computed here, or by the workers of a Dask cluster, each into the store."""
 
 import logging
-import os
 import signal
 import sys
 from collections.abc import Iterator, Sequence
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from granstudy.runs.execute import Outcome
 from granstudy.runs.store import Store
+from granstudy.support.machine import cores
 from granstudy.support.progress import kind_of_bar, person_watches
 from granstudy.workbench.tasks import Task, perform
 
@@ -104,8 +104,7 @@ def _cluster(
     if client is not None:
         yield client
         return
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    count = min(workers or cores or 1, runs)
+    count = min(workers or cores(), runs)
     if count == 1 or (workers is None and seconds < HERE):
         yield None
         return

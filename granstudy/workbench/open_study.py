@@ -19,6 +19,7 @@ from granstudy.datasets.open_runs import open_runs
 from granstudy.datasets.unstack import unstack_runs
 from granstudy.model.identity import coordinate
 from granstudy.runs.estimates import estimate_run
+from granstudy.study.jobs import seconds_of, threads_of
 from granstudy.study.layout import Layout
 from granstudy.study.state import State, check_owner, show
 from granstudy.study.study import Member, Study, load_study
@@ -122,10 +123,10 @@ class OpenStudy:
     @property
     def remaining(self) -> Remaining:
         """What is left to compute."""
-        estimates = [estimate_run(same[0].run.computation) for same in self._state.missing]
-        seconds = sum(one.cost.seconds for one in estimates)
-        memory = max((one.cost.memory_mb for one in estimates), default=0)
-        return Remaining(len(estimates), seconds, memory)
+        state = self._state
+        costs = [estimate_run(same[0].run.computation).cost for same in state.missing]
+        memory = max((cost.memory_mb for cost in costs), default=0)
+        return Remaining(len(costs), state.seconds, memory)
 
     def compute(
         self,
@@ -349,10 +350,7 @@ class OpenStudy:
 
 
 def _task(same: Sequence[Member]) -> RunTask:
-    computation = same[0].run.computation
-    threads = max(member.run.model.threads for member in same)
-    seconds = estimate_run(computation).cost.seconds
-    return RunTask(computation, same[0].key, seconds, threads)
+    return RunTask(same[0].run.computation, same[0].key, seconds_of(same), threads_of(same))
 
 
 def open_study(

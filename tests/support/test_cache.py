@@ -12,7 +12,8 @@ import numpy as np
 import platformdirs
 import pytest
 
-from granstudy.support.cache import ABANDONED, cache_folder, cached_array
+from granstudy.support.cache import cache_folder, cached_array
+from granstudy.support.files import ABANDONED
 
 ARRAY = np.arange(3000.0).reshape(60, 50)
 
