@@ -23,11 +23,14 @@ from architecture import FLOORS, HOUSE, entries, floor, imports, purpose, room  
 
 ROOMS = [name for names in FLOORS for name in names]
 
-WIDTH, ROW, GAP = 1000.0, 64.0, 10.0
-"""Of the picture, of a room and between rooms, in pixels."""
+ROW, GAP = 64.0, 10.0
+"""Height of a room, and the space between rooms, in pixels."""
 
 LEFT, FIRST_COLUMN, COLUMN = 40.0, 580.0, 34.0
 """Left side of the rooms, where the first arrow falls, and how far the next ones are."""
+
+WIDTH = FIRST_COLUMN + COLUMN * len(ROOMS)
+"""Width of the picture, which grows with the rooms: an arrow falls into each but the first."""
 
 ROOF = 118.0
 """Height of the roof."""
