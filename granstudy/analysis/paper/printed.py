@@ -132,8 +132,8 @@ def match_printed(name: str, runs: xr.Dataset) -> np.ndarray:
 def with_paper(table: xr.Dataset, paper: str, quantity: str) -> xr.Dataset:
     """Add the printed number of each run and ours over it.
 
-    Where the paper's code prints a multiple of the quantity (`FACTORS`), this multiple is `as_printed`, and it
-    stands over the printed number. The attribute `factor` of `paper` has the factor.
+    Where the paper's code prints a multiple of the quantity (`FACTORS`), this multiple is `as_printed`, and
+    its ratio to the printed number is taken. The attribute `factor` of `paper` has the factor.
 
     Raises
     ------
