@@ -15,7 +15,7 @@ from granstudy.support.files import write_json
 WORDS = {("FigureModel", "kind"): list(FIGURES), ("FitModel", "law"): list(FITS)}
 """Known words by section and field."""
 
-SCHEMA = Path("workflow/config/study.schema.json")
+SCHEMA = Path("workflow/study.schema.json")
 """Where the JSON schema of study files lies in a checkout."""
 
 

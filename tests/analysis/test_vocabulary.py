@@ -6,7 +6,7 @@ from granstudy.analysis.figures.figure import FIGURES
 from granstudy.analysis.tables.fits import FITS
 from granstudy.analysis.vocabulary import study_schema, write_schema
 
-WORKFLOW = Path(__file__).parents[2] / "workflow" / "config"
+WORKFLOW = Path(__file__).parents[2] / "workflow"
 
 
 def test_editors_know_the_words(tmp_path):

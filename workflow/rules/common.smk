@@ -17,7 +17,7 @@ if workflow.is_main_process:
     interrupt.install()
     locks.clear_stale()
 
-STUDY_FILE = config.get("study", "workflow/config/paper.yaml")
+STUDY_FILE = config.get("study", "studies/paper.yaml")
 RESULTS_FOLDER = config.get("results", "results")
 
 try:
