@@ -6,4 +6,6 @@ The public names are listed in the stub file beside this one. Each is imported w
 
 import lazy_loader
 
+__version__ = "0.1.0"
+
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

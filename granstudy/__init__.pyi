@@ -1,3 +1,5 @@
+__version__: str
+
 from . import theory as theory
 from .collision.choice.grid import fit_solver as fit_solver
 from .collision.fast.adaptive.plan import QuadraturePlan as QuadraturePlan

@@ -80,7 +80,7 @@ def now(overview: Overview, jobs: list[Any], since: float, time: float) -> Now:
     labels = Counter(overview.labels)
     for job in jobs:
         labels.update(job.labels)
-    done = min(overview.runs, overview.done + sum(job.done - job.found for job in jobs))
+    done = min(overview.runs, overview.done + sum(job.done for job in jobs))
     running = [job for job in jobs if job.state == "running" and not job.is_stale(time)]
     return Now(overview, done, labels, _left(overview, jobs, running), jobs, running)
 

@@ -13,7 +13,7 @@ import yaml
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
 
-FOLDERS = "granstudy|tests|workflow|docs"
+FOLDERS = "granstudy|tests|workflow|studies|notebooks|profiles|docs"
 
 GONE = {"granstudy.compare"}
 """Names that the changelog says are no more."""

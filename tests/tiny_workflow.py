@@ -68,7 +68,7 @@ with Reporter(output.with_suffix(".progress.json"), job, "cooling", [3.0] * 3) a
     for number in range(3):
         run = store / f"{job}{number}"
         if run.exists():
-            reporter.found()
+            reporter.found("trusted")
             continue
         reporter.start(run.name)
         for step in range(10):

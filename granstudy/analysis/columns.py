@@ -125,6 +125,8 @@ OF_QUANTITY: dict[str, Column] = {
     "C0_theory": Column(
         "C₀ (Gaussian)", ".5g", CONSTANT,
         "Haff constant of a Gaussian shape at the initial temperature"),
+    "as_printed": Column(
+        "as printed", ERROR, RECIPE, "{of} times {factor}, as the paper's code prints it"),
     "paper": Column("", "", CONSTANT, "{of} printed in the paper; NaN where has_paper is false"),
     "ratio": Column(
         "ours / paper", _ratio_digits, RATIO, "ours / paper; NaN where has_paper is false"),

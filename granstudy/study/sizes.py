@@ -5,6 +5,8 @@ import os
 from functools import cache
 from typing import Any
 
+import psutil
+
 from granstudy.model.solver import Solver
 from granstudy.runs.computation import Computation
 from granstudy.runs.estimates import estimate_run
@@ -104,7 +106,7 @@ def machine_memory_mb() -> float:
 @cache
 def _physical_mb() -> float:
     """Megabytes of this machine; asked once, as runs are checked by the thousand."""
-    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**20
+    return psutil.virtual_memory().total / 2**20
 
 
 def _stated_mb(said: str) -> float:

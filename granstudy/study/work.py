@@ -53,7 +53,7 @@ def work(job: Job, layout: Layout, threads: int, receipt: str | Path) -> None:
             for run in runs:
                 link(layout.store.path(key), Path(layout.run_file(run.experiment, run.path)))
             if there:
-                reporter.found()
+                reporter.found(outcome.label)
             else:
                 reporter.finish(outcome.status, outcome.label)
         if errors:

@@ -13,6 +13,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+import psutil
+
 from granstudy.support.files import TEMPORARY_PREFIX
 
 SUFFIX = ".progress.json"
@@ -39,8 +41,8 @@ class JobProgress:
     ----------
     job, title : str
         Its identity, and what a reader calls it: the experiment's name.
-    runs, done, found : int
-        All runs; those that are done; those of them that were done before the job began.
+    runs, done : int
+        All runs; those that are done, also those that another process or an earlier attempt made.
     run : str
         Path of the run that is computed now; "" between runs.
     step, steps : int
@@ -58,7 +60,7 @@ class JobProgress:
     state : str
         ``running``, ``done``, ``stopped`` (by a signal), ``failed``.
     labels : dict of int
-        Computed runs by label: trusted, marginal, untrusted, failed.
+        Runs that are done, by label: trusted, marginal, untrusted, failed.
     pid, host
         The process.
     """
@@ -67,7 +69,6 @@ class JobProgress:
     title: str
     runs: int
     done: int = 0
-    found: int = 0
     run: str = ""
     step: int = 0
     steps: int = 0
@@ -111,20 +112,14 @@ def read_progress_file(path: Path) -> JobProgress | None:
         known = {one.name: values[one.name] for one in fields(JobProgress)}
     except (OSError, ValueError, KeyError, TypeError):
         return None
-    numbers = (known[name] for name in ("runs", "done", "found", "updated", "left", "worth"))
+    numbers = (known[name] for name in ("runs", "done", "updated", "left", "worth"))
     whole = isinstance(known["labels"], dict) and all(isinstance(n, int | float) for n in numbers)
     return JobProgress(**known) if whole else None
 
 
 def _alive(pid: int) -> bool:
     """Whether a process of this host lives."""
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        return True
-    return True
+    return psutil.pid_exists(pid)  # os.kill(pid, 0) ends it on Windows
 
 
 def duration(seconds: float) -> str:
@@ -202,10 +197,11 @@ class Reporter:
             self._say(f"stopped after {done}; the same command goes on")
             self._update(write=True, state="stopped")
 
-    def found(self) -> None:
-        """Note that the next run was done before."""
+    def found(self, label: str) -> None:
+        """Note that the next run was done before, and what it counts as."""
         self._seconds.pop(0)
-        self._update(done=self.progress.done + 1, found=self.progress.found + 1)
+        self._labels[label] += 1
+        self._update(done=self.progress.done + 1, labels=dict(self._labels))
 
     def start(self, run: str) -> None:
         """Note that the next run begins."""

@@ -59,7 +59,7 @@ def test_a_job_computes_its_runs_names_them_and_writes_a_receipt(layout, capsys)
     for experiment, path, key in job.runs:
         assert is_link(layout.store.path(key), Path(layout.run_file(experiment, path)))
     (progress,) = read_progress(layout.jobs)
-    assert (progress.state, progress.done, progress.runs, progress.found) == ("done", 10, 10, 0)
+    assert (progress.state, progress.done, progress.runs) == ("done", 10, 10)
     assert "run 10 of 10" in capsys.readouterr().err
 
 
@@ -71,7 +71,7 @@ def test_runs_that_are_there_are_found_and_not_computed(layout, monkeypatch):
     work(job, layout, 1, layout.receipt(job.id))
     assert len(json.loads(Path(layout.receipt(job.id)).read_text())) == 10
     (progress,) = read_progress(layout.jobs)
-    assert progress.found == 10
+    assert progress.done == sum(progress.labels.values()) == 10
 
 
 def test_a_run_that_the_machine_fails_keeps_no_other_from_its_result(layout, monkeypatch):

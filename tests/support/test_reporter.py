@@ -41,7 +41,7 @@ def job(tmp_path):
 
 def test_the_log_says_run_step_time_and_what_is_left(job):
     with job.reporter as reporter:
-        reporter.found()
+        reporter.found("trusted")
         reporter.start("e~0.5/N~24")
         for step in range(1, 201):
             job.time += 0.2  # four times as slow as estimated

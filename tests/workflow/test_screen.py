@@ -33,7 +33,7 @@ def job(name="a", **fields):
 
 
 RUNNING = job(
-    done=5, found=2, run="e~0.5/N~24", step=140, steps=200, time=1.4, left=40.0, worth=10.0,
+    done=3, run="e~0.5/N~24", step=140, steps=200, time=1.4, left=40.0, worth=10.0,
     labels={"trusted": 2, "marginal": 1},
 )  # fmt: skip
 DONE = job("b", done=12, state="done", worth=20.0, labels={"trusted": 11, "failed": 1})
@@ -77,7 +77,7 @@ def test_the_block_counts_runs_and_not_jobs():
     assert lines[0].startswith(
         "granstudy my_study  runs 45 of 250  trusted 43 marginal 1 untrusted 0 failed 1  about "
     )
-    assert lines[1] == "  cooling  run 6 of 12  e~0.5/N~24  step 140 of 200  t = 1.4"
+    assert lines[1] == "  cooling  run 4 of 12  e~0.5/N~24  step 140 of 200  t = 1.4"
     assert lines[2] == "  making table map"
     narrow = text.block(now(OVERVIEW, [RUNNING], 90.0, 125.0), 2, [], 40)
     assert [len(line) <= 40 for line in narrow] == [True] * 3 and narrow[-1] == "  2 jobs start"

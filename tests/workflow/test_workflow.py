@@ -39,7 +39,7 @@ EVERYTHING = {"all", "run", "complete_convergence", "dataset", "table", "figure"
 @pytest.fixture
 def project(tmp_path):
     """A copy of what a clone holds, with a tiny study."""
-    for name in ("granstudy", "workflow", "profiles"):
+    for name in ("granstudy", "profiles"):
         if not (REPOSITORY / name).is_dir():
             continue
         shutil.copytree(

@@ -59,7 +59,7 @@ def draw_convergence(source: FigureSource) -> Figure:
             runs = unsorted.sortby(x)
             ax.plot(runs[x], runs[table.attrs["quantity"]], **styles[line])
         if _paper_is_drawn(part):
-            ax.plot(part[x], part["paper"], **PAPER_LOOK)
+            ax.plot(part[x], part["paper"] / part["paper"].attrs.get("factor", 1.0), **PAPER_LOOK)
         if x == "dt":
             _order_guide(ax, part, x)
         if column[0] or row[0]:

@@ -157,6 +157,10 @@ def _legend(table: xr.Dataset) -> list[str]:
     lines = [f"{quantity}: {meaning}."]
     if "paper" in table:
         lines[0] += " An empty cell under paper: the paper prints no number there."
+    if "as_printed" in table:
+        lines[0] += (
+            f" as printed: {table['as_printed'].attrs['long_name']}; docs/method.md §6 has the reason."
+        )
     if "truth" in table.attrs:
         lines[0] += (
             f" The same of a2. Truth: {table.attrs['truth']}. A run that diverged is measured up to there."

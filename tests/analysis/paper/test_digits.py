@@ -9,7 +9,7 @@ import pytest
 from comparison import assert_printed
 
 import granstudy as gs
-from granstudy.analysis.paper.printed import paper_table
+from granstudy.analysis.paper.printed import FACTORS, paper_table
 
 SCENES = {1: ("bkw2d", 7.8), 2: ("double_well2d", 8.0)}
 
@@ -96,3 +96,18 @@ def test_table_6():
     ds = gs.simulate(scene, solver, t_final=1.0, dt=0.01, progress=False)
     printed = paper_table(6).set_index("M_sph").loc[6, "temperature_error"]
     assert_printed(float(ds["paper_temperature_error"][-1]), printed, 1e-10)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("M_sph", "within"), [(6, 1e-3), pytest.param(12, 1e-4, marks=needs_designs)]
+)
+def test_table_3_is_nine_quarters_of_the_error_of_T(M_sph, within):
+    """The last 8e-4 at M_sph = 6 are not explained."""
+    scene = gs.load_scene("bkw3d", restitution=0.2, diffusion=0.0)
+    rule = "design" if M_sph == 6 else design_file(M_sph)  # degree 3: the octahedron's vertices
+    solver = gs.Solver(N=32, R=7.0, M_sph=M_sph, sphere_rule=rule, method="literal")
+    ds = gs.simulate(scene, solver, t_final=1.0, dt=0.01, progress=False)
+    printed = paper_table(3).set_index("M_sph").loc[M_sph, "temperature_error"]
+    as_printed = FACTORS["table3"] * float(ds["paper_temperature_error"][-1])
+    assert_printed(as_printed, printed, within)

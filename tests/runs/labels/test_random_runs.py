@@ -1,6 +1,6 @@
 """Random runs: what is drawn, what each is held against, and a few of them whole.
 
-The study ``workflow/config/labels.yaml`` makes a thousand; here are few and cheap ones.
+The study ``studies/labels.yaml`` makes a thousand; here are few and cheap ones.
 """
 
 from collections import Counter

@@ -17,7 +17,9 @@ if workflow.is_main_process:
     interrupt.install()
     locks.clear_stale()
 
-STUDY_FILE = config.get("study", "workflow/config/paper.yaml")
+if "study" not in config:
+    raise WorkflowError("no study is named; add --config study=my_study.yaml")
+STUDY_FILE = config["study"]
 RESULTS_FOLDER = config.get("results", "results")
 
 try:

@@ -1,7 +1,7 @@
 # The analysis a user would do, executed on the study's real datasets.
 rule notebook:
     input:
-        notebook="workflow/notebooks/{name}.ipynb",
+        notebook="notebooks/{name}.ipynb",
         runs=lambda wildcards: LAYOUT.notebook_files(wildcards.name),
     output:
         f"{RESULTS}/notebooks/{{name}}.ipynb",
