@@ -38,6 +38,9 @@ ISOTROPIC = ("gaussians", "maxwellian", "bkw", "power_law", "uniform_ball")
 CONSERVED = (("mass",), ("mass", "momentum"), ("mass", "energy"), ("mass", "momentum", "energy"))
 """What a run may conserve."""
 
+STEADY = 3.0
+"""Time after which a heated gas no longer grows by much."""
+
 T = TypeVar("T")
 
 
@@ -138,7 +141,7 @@ def _gaussians(rng: Rng, dim: int, isotropic: bool) -> Gaussians:
 def _reach(rng: Rng, scene: Scene, t_final: float) -> float:
     """R: from far too small to ample."""
     velocity = float(np.linalg.norm(known_moments(scene).velocity))
-    return round(width(scene, t_final) * float(rng.uniform(5.0, 11.0)) + velocity, 2)
+    return round(width(scene, min(t_final, STEADY)) * float(rng.uniform(5.0, 11.0)) + velocity, 2)
 
 
 def _solver(rng: Rng, method: str, scene: Scene, R: float, seed: int) -> Solver:

@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 
-from granstudy.evolution.times import TimeSettings
 from granstudy.model.densities import DoubleWell2D, Maxwellian, PowerLaw, UniformBall
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
@@ -47,15 +46,15 @@ def truth_of(run: Computation) -> Computation | None:
         return None
     assert run.time is not None
     scene, settings = _at_rest(told(run.scene)), run.time
-    solver = _solver(scene, settings)
+    follows = settings.t_final >= LONG and not callable(scene.restitution)
+    solver = _solver(scene, width(scene, 0.0 if follows else settings.t_final))
     recorded = settings.recorded
     time: dict[str, Any] = {
         "t_final": settings.t_final,
         "time_rtol": 1e-9 if solver.traits.radial else 1e-7,
         "times": [float(t) for t in recorded if 0.0 < t < settings.t_final],
     }
-    moves = not (solver.traits.by_particles or callable(scene.restitution))
-    if settings.t_final >= LONG and moves:
+    if follows and not solver.traits.by_particles:
         time["frame"] = "rescaled"
     return Computation("evolution", scene, solver, time)
 
@@ -68,8 +67,8 @@ def _at_rest(scene: Scene) -> Scene:
     return Scene(scene.dim, initial, scene.kernel, scene.restitution, scene.diffusion)
 
 
-def _solver(scene: Scene, settings: TimeSettings) -> Solver:
-    speed = width(scene, settings.t_final)
+def _solver(scene: Scene, speed: float) -> Solver:
+    """The solver of a truth, for a gas of that thermal speed on its grid."""
     initial = scene.initial
     smooth = not isinstance(initial, PowerLaw | UniformBall)
     isotropic = scene.symmetry == Symmetry.named(scene.dim, FULLY)
