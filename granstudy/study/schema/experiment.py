@@ -287,6 +287,13 @@ class LabelsExperiment(SweptExperiment):
 
     run: Literal["labels"]
 
+    @model_validator(mode="after")
+    def _has_a_table_alone(self) -> "LabelsExperiment":
+        for field in ("fit", "figure"):
+            if getattr(self, field) is not None:
+                raise ValueError(f"{field}: random runs have a table alone; leave {field} out")
+        return self
+
     def _check_swept(self, key: str) -> None:
         if key != SEED:
             raise ValueError(f"sweep: {key!r}: random runs sweep {SEED} alone")

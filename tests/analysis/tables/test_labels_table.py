@@ -70,3 +70,9 @@ def test_random_runs_sweep_their_seed_alone(load):
         load("seed: [2, 6, 11]", "N: [8]")
     with pytest.raises(ValueError, match="seed=-1: must be an integer of at least 0"):
         load("[2, 6, 11]", "[-1]")
+
+
+@pytest.mark.parametrize("asked", ["fit: {law: order, x: seed}", "figure: {kind: gallery}"])
+def test_random_runs_have_no_fit_and_no_figure(load, asked):
+    with pytest.raises(ValueError, match="random runs have a table alone"):
+        load("    table:", f"    {asked}\n    table:")
