@@ -135,7 +135,7 @@ class OpenStudy:
         workers: int | None = None,
         progress: bool | None = None,
     ) -> None:
-        """Compute the runs that are missing, here or on a cluster, into the store.
+        """Compute the runs that are missing or damaged, here or on a cluster, into the store.
 
         `snakemake` then finds them there. Benchmarks are left to `snakemake`, which gives them the machine.
 
@@ -149,6 +149,7 @@ class OpenStudy:
         RuntimeError
             If runs could not be computed, with the cause of each; the others were.
         """
+        self.layout.store.heal(member.key for member in self._study.members)
         self.show()  # so that the study has these runs, whatever becomes of this process
         tasks = [_task(same) for same in self._state.missing]
         store = self.layout.store
