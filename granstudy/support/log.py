@@ -1,6 +1,7 @@
 """The log of a script that Snakemake starts, and how the script ends when it is told to."""
 
 import atexit
+import logging
 import os
 import signal
 import sys
@@ -24,6 +25,8 @@ def log_to(path: str | Path) -> None:
         os.dup2(file.fileno(), 2)
     sys.stdout = os.fdopen(1, "w", buffering=1, closefd=False, encoding="utf-8")
     sys.stderr = os.fdopen(2, "w", buffering=1, closefd=False, encoding="utf-8")
+    logging.basicConfig(format="%(asctime)s %(message)s", datefmt="%H:%M:%S")
+    logging.getLogger("granstudy").setLevel(logging.INFO)
     signal.signal(signal.SIGTERM, _leave)
 
 
