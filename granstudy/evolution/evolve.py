@@ -59,10 +59,11 @@ def evolve(
         From which the run goes on where it is there, and which is written while it goes on. Whoever asked
         for the run removes it.
     """
+    kept = None if checkpoint is None else checkpoint.read()
     header = Header.of("evolution", scene, choice, settings.coordinates())
     run = _prepare(scene, choice.solver, settings)
     observer = _Observer(settings, run)
-    points = _points(run, observer, None if checkpoint is None else checkpoint.read())
+    points = _points(run, observer, kept)
     record = observer.record
     # The observer looks for overflow and NaN, in one place.
     with (

@@ -153,6 +153,8 @@ def _checkpoint(
     """The checkpoint in a file, for a run with a chosen solver and the makers of its parts."""
     if path is None:
         return None
+    if not isinstance(path, str | os.PathLike) or not os.fspath(path):
+        raise ValueError(f"checkpoint={path!r}: must be the path of a file, or None")
     modules = [function.__module__ for function in (computed_by(solver), *makers)]
     identity = {
         "scene": scene.identity(),

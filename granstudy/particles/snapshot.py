@@ -64,9 +64,10 @@ class BatchSnapshots:
         found = None if checkpoint is None else checkpoint.read()
         self._plain: dict[str, dict[str, Any]] = found or {}
         self._begun = dict(self._plain)
-        self._every = seconds_between()
+        self._every = seconds_between() / 2  # what is written is then not much older
         self._taken: dict[int, float] = {}
         self._start = time.monotonic()
+        self._is_new = False
 
     def record(self, number: int) -> BatchRecord:
         """What a batch has recorded until its last state; empty for one that has not begun."""
@@ -100,10 +101,11 @@ class BatchSnapshots:
         }
         with self._lock:
             self._plain[str(number)] = plain
+            self._is_new = True
 
     def write(self) -> None:
-        """Write the states, if that is due."""
-        if self._checkpoint is not None and self._checkpoint.due():
+        """Write the states, if that is due and one of them is new."""
+        if self._checkpoint is not None and self._is_new and self._checkpoint.due():
             with self._lock:
-                plain = dict(self._plain)
+                plain, self._is_new = dict(self._plain), False
             self._checkpoint.write(plain)

@@ -13,8 +13,9 @@ from typing import NoReturn
 def log_to(path: str | Path) -> None:
     """Write all that this process and its libraries say into the file ``path``; end at once on SIGTERM.
 
-    Standard output and standard error lead into the file from now on, line by line. On SIGTERM the process
-    leaves through `SystemExit`, so that files half-written are swept, and without a traceback.
+    Standard output and standard error lead into the file from now on, line by line. `logging` writes there
+    too: of granstudy all from INFO on, of other packages warnings. On SIGTERM the process leaves through
+    `SystemExit`, so that files half-written are swept, and without a traceback.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -60,6 +60,11 @@ RUNS = {
         PLANE,
         FIXED | RESCALED,
     ),
+    "carleman": (
+        gs.load_scene("double_well2d", restitution=1.0, diffusion=0.01),
+        replace(PLANE, method="carleman"),
+        ADAPTIVE,
+    ),
     "tuned": (gs.Scene(2, beams, gs.VHS(1.0, 0.3), 0.9, diffusion=0.05), TUNED, RETUNED),
     "diverging": (replace(HEATED, diffusion=0.4), RADIAL, {"t_final": 20.0, "dt": 1.0}),
     "lost": (replace(HEATED, diffusion=0.0), RADIAL, {"t_final": 100.0, "time_rtol": 1e-3}),
@@ -191,6 +196,12 @@ def test_a_file_of_another_kind_is_never_overwritten(runs):
     with pytest.raises(CheckpointError, match="is a file of another kind; name another file"):
         runs.dataset("rk3 fixed fixed")
     assert runs.checkpoint.read_text() == "a year of notes"
+
+
+@pytest.mark.parametrize("path", ["", 5, True])
+def test_a_path_that_is_none_is_refused(runs, path):
+    with pytest.raises(ValueError, match=f"checkpoint={path!r}: must be the path of a file"):
+        runs.dataset("rk3 fixed fixed", checkpoint=path)
 
 
 @pytest.mark.parametrize("damage", ["cut", "flipped", "emptied"])
