@@ -121,8 +121,16 @@ class Record:
 
 
 def columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
-    """Rows of values with the same names as an array a name; `rows` makes them rows again."""
-    names = rows[0] if rows else ()
+    """Rows of values as an array a name; `rows` makes them rows again.
+
+    Raises
+    ------
+    ValueError
+        If names differ from row to row.
+    """
+    names = list(rows[0]) if rows else []
+    if any(list(row) != names for row in rows):
+        raise ValueError(f"rows: each must have the names {names}, in this order")
     return {name: np.array([row[name] for row in rows]) for name in names}
 
 
