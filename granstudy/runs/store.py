@@ -11,7 +11,7 @@ import xarray as xr
 from filelock import FileLock
 
 from granstudy.datasets.netcdf import read_dataset, read_head, write_dataset
-from granstudy.support.files import remove_abandoned
+from granstudy.support.files import TEMPORARY_PREFIX, remove_abandoned
 
 FOLDER = ".runs"
 """Name of the store's folder beside the results of the studies that share it."""
@@ -73,7 +73,12 @@ class Store:
         return {_key_of(path) for path in self._checkpoints()}
 
     def _checkpoints(self) -> list[Path]:
-        return [path for shelf in self._shelves() for path in shelf.glob(f".*{CHECKPOINT}")]
+        return [
+            path
+            for shelf in self._shelves()
+            for path in shelf.glob(f".*{CHECKPOINT}")
+            if not path.name.startswith(TEMPORARY_PREFIX)
+        ]
 
     def _shelves(self) -> list[Path]:
         if not self.folder.is_dir():

@@ -155,10 +155,14 @@ def test_each_rung_of_a_ladder_has_a_checkpoint_of_its_own(store, tmp_path):
 
 def test_prune_lists_and_removes_checkpoints_that_nobody_wants(store, tmp_path):
     key = interrupt(LONG, store)
+    half = store.checkpoint(key).with_name(".partial-abc.checkpoint")
+    half.write_bytes(b"half")  # as a process leaves it that is killed while it writes
     found = unused(tmp_path)
     assert found.keys == [key] and found.bytes == store.checkpoint(key).stat().st_size
     remove(tmp_path, found.keys)
     assert unused(tmp_path).keys == [] and not store.checkpoint(key).exists()
+    store.sweep(age=60.0, now=time.time() + 1000.0)
+    assert not half.exists()
 
 
 def test_the_sweep_knows_checkpoints(store):
