@@ -120,6 +120,26 @@ class Record:
         return Ending(self.status, self.reason, tuple(self.warnings.values()))
 
 
+def columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
+    """Rows of values as an array a name; `rows` makes them rows again.
+
+    Raises
+    ------
+    ValueError
+        If names differ from row to row.
+    """
+    names = list(rows[0]) if rows else []
+    if any(list(row) != names for row in rows):
+        raise ValueError(f"rows: each must have the names {names}, in this order")
+    return {name: np.array([row[name] for row in rows]) for name in names}
+
+
+def rows(columns: Mapping[str, np.ndarray]) -> list[dict[str, Any]]:
+    """Rows of the columns that `columns` made."""
+    names = list(columns)
+    return [dict(zip(names, values, strict=True)) for values in zip(*columns.values(), strict=True)]
+
+
 def time_axes(dim: int, times: Sequence[float] | np.ndarray) -> dict[str, Any]:
     """Coordinates of moments: the times, and the components of vectors and tensors."""
     components = list(COMPONENTS[:dim])

@@ -72,9 +72,13 @@ class AdaptiveOperator:
             If the tolerance cannot be reached. The quadrature then stays as it was.
         """
         plan = make_plan(self.scene, self.solver, f)
+        self.use(plan)
+        return plan
+
+    def use(self, plan: QuadraturePlan) -> None:
+        """Take a quadrature that was chosen before."""
         with self._one_at_a_time:
             self._use(plan)
-        return plan
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickled are the scene, the solver and the plan in use: nothing is chosen again."""
