@@ -97,6 +97,7 @@ HAFF = Tolerance(1e-7, 0.0, "a fit to smooth data")
 HAFF_ERROR = Tolerance(1e-4, 0.0, "a variance of small residuals")
 RATIO = Tolerance(1e-6, 1e-5, "a quotient of the above and a printed number")
 SECONDS = Tolerance(None, 0.0, "depends on the machine and its load")
+RATIOS = replace(SECONDS, reason="a quotient of errors that are compared themselves")
 FFT = replace(SECONDS, reason="as seconds")
 SPEEDUP = replace(SECONDS, reason="a quotient of seconds on a shared machine")
 OVERHEAD = replace(SECONDS, reason="as speedup")
@@ -222,6 +223,16 @@ COLUMNS: dict[str, Column] = OF_QUANTITY | {
     "velocity_scale": Column(),
     "collision_time": Column(),
     "collisions": Column(),
+    # Random runs beside their truths.
+    "temperature_known_to": Column("T known to", ERROR, T_ESTIMATE),
+    "a2_known_to": Column("a2 known to", ERROR, A2_ERROR),
+    "temperature_ratio": Column(
+        "estimate / error of T", ".3g", RATIOS, "estimated over true error of {of}"),
+    "a2_ratio": Column(
+        "estimate / error of a2", ".3g", RATIOS, "estimated over true error of {of}"),
+    "ended": Column(long_name="whether the run reached its final time", units=""),
+    "broken": Column(long_name="the rules that the run breaks", units=""),
+    "truth": Column(long_name="what the run is held against", units=""),
     # The map's verdict, and how a run ended.
     "wrong": Column(long_name="whether the label breaks the rule", units=""),
     "status": Column(),

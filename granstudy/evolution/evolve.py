@@ -30,7 +30,7 @@ from granstudy.model.solver import SizedSolver
 from granstudy.support.errors import RAN_AWAY
 from granstudy.support.progress import Progress, watched
 from granstudy.trust import health
-from granstudy.trust.error_estimate import Examination
+from granstudy.trust.error_estimate import Examination, Found
 from granstudy.trust.flags import Status
 from granstudy.trust.pair_rates import RatesAt
 from granstudy.velocity.moments import moment_values
@@ -150,7 +150,7 @@ class _Observer:
         self._run = run
         self._outputs = run.steps.outputs
         self._tuning = Tuning(run.operator)
-        self._examination = Examination(run.scene, run.operator.grid, run.steps.outputs, run.rates)
+        self._examination = Examination(run.scene, run.operator.grid, settings.recorded, run.rates)
         self._scale = 1.0
         self.record = Record(health=self._examination.outputs, plans=self._tuning.plans)
 
@@ -197,8 +197,11 @@ class _Observer:
         texts = self._tuning.review(point.step, point.time, f)
         if len(self._tuning.plans) > plans:
             self._run.steps.equation_changed()
+        is_due = self._examination.is_due(point.time)
         if point.is_output:
             texts |= self._output(point, f, values)
+        elif is_due:
+            self._examination.balance(f, values, self._found(state), **self._gas(state, values))
         self.record.warn(point.time, texts)
 
     def _output(self, point: Point, f: np.ndarray, values: dict[str, Any]) -> dict[str, str]:
@@ -206,16 +209,23 @@ class _Observer:
         frame, state = self._run.frame, point.state
         moments = frame.record(values, state)
         signs, texts = self._check_step(state, float(moments["density"]))
-        texts |= self._examination.look(
-            f,
-            values,
-            lambda: (frame.moment_rates(state), self._run.project.energy_removed),
-            restitution=frame.restitution(state),
-            heating=frame.heating(state, values["temperature"]),
-        )
+        texts |= self._examination.look(f, values, self._found(state), **self._gas(state, values))
         self.record.health[-1].update(signs)
         self._record(point, f, moments)
         return texts
+
+    def _found(self, state: np.ndarray) -> Found:
+        """Rates of T and a2 by the discrete equation, evaluated where they are asked for."""
+        run = self._run
+        return lambda: (run.frame.moment_rates(state), run.project.energy_removed)
+
+    def _gas(self, state: np.ndarray, values: dict[str, Any]) -> dict[str, Any]:
+        """Restitution and heating in the velocities that the grid stores."""
+        frame = self._run.frame
+        return {
+            "restitution": frame.restitution(state),
+            "heating": frame.heating(state, values["temperature"]),
+        }
 
     def _record(self, point: Point, f: np.ndarray, moments: dict[str, Any]) -> None:
         """Record an output: its moments, and where they are asked for, the density."""

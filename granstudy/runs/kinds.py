@@ -1,18 +1,21 @@
 """The kinds of runs, a row each: how a run of the kind is computed, checked and counted."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 import xarray as xr
 
+from granstudy.collision.operator import concrete
 from granstudy.evolution.forecast import expected_evaluations
 from granstudy.evolution.simulate import advance, computed_by
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver, Solver
 from granstudy.runs.computation import Computation
 from granstudy.runs.evaluate import evaluate
+from granstudy.runs.labels.labelled import labelled_run
+from granstudy.runs.labels.truths import truth_of
 from granstudy.states.solve import (
     FIND,
     check_state,
@@ -47,6 +50,9 @@ class Kind:
         Whether N and R must be given.
     shares_nodes : bool
         Whether a run and its reference must have the same velocity nodes.
+    parts : callable
+        computation ↦ the computations of other kinds that the run makes on its way; their cost is its cost,
+        and their code its code.
     """
 
     code: Callable[[Solver], Callable[..., object]]
@@ -57,6 +63,7 @@ class Kind:
     by_particles: bool = False
     needs_size: bool = False
     shares_nodes: bool = False
+    parts: Callable[[Computation], Sequence[Computation]] = lambda computation: ()
 
 
 def _evolve(
@@ -95,6 +102,30 @@ def _state(state: str) -> Kind:
     )
 
 
+def _label_parts(computation: Computation) -> list[Computation]:
+    """A random run itself, and the finer run that is its truth, where no law is."""
+    run = replace(computation, kind="evolution")
+    truth = truth_of(run)
+    return [run] if truth is None else [run, truth]
+
+
+def _label(
+    computation: Computation, solver: Solver, progress: Progress, checkpoint: Path | None
+) -> xr.Dataset:
+    assert computation.time is not None
+    run, *finer = _label_parts(computation)
+    truths = [
+        _evolve(one, replace(one.solver, threads=solver.threads), False, None) for one in finer
+    ]
+    return labelled_run(
+        computation.scene,
+        concrete(computation.scene, solver),
+        computation.time,
+        _evolve(run, solver, progress, None),
+        truths[0] if truths else None,
+    )
+
+
 KINDS = {
     "evolution": Kind(
         code=computed_by,
@@ -108,6 +139,12 @@ KINDS = {
         shares_nodes=True,
     ),
     "benchmark": Kind(code=lambda solver: evaluate, compute=None, needs_size=True),
+    "labels": Kind(
+        code=lambda solver: labelled_run,
+        compute=_label,
+        by_particles=True,
+        parts=_label_parts,
+    ),
     "cooling state": _state("cooling"),
     "heated state": _state("heated"),
 }

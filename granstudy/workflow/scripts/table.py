@@ -1,4 +1,4 @@
-from granstudy.analysis.tables.table import experiment_table, write_table
+from granstudy.analysis.tables.table import KINDS, experiment_table, write_table
 from granstudy.datasets.netcdf import read_dataset
 from granstudy.study.layout import Layout
 from granstudy.study.study import read_study
@@ -8,10 +8,11 @@ log_to(snakemake.log[0])
 
 study = read_study(snakemake.params.study)
 name = snakemake.wildcards.experiment
+experiment = study.model.experiments[name]
 table = experiment_table(
-    study.model.experiments[name],
+    experiment,
     study.runs[name],
     Layout(study, snakemake.params.results).run_files(name),
     [read_dataset(table) for table in snakemake.input.beside],
 )
-write_table(table, *snakemake.output)
+write_table(table, *snakemake.output, markdown=KINDS[experiment.run].markdown)
