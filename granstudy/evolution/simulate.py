@@ -11,9 +11,10 @@ import xarray as xr
 from granstudy.collision.operator import concrete
 from granstudy.datasets.parameters import parameter
 from granstudy.evolution.evolve import evolve
-from granstudy.evolution.times import TimeSettings, check_frame
+from granstudy.evolution.times import TimeSettings, check_frame, check_outputs
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
+from granstudy.particles.cost import check_particles
 from granstudy.particles.simulation import simulate_particles
 from granstudy.support.progress import Progress
 
@@ -105,8 +106,10 @@ def simulate(
     """
     settings = TimeSettings(t_final, dt, time_rtol, times, frame, scheme, conserve, save_every)
     check_frame(scene, solver, settings)
+    check_outputs(settings)
     if not solver.traits.by_particles:
         return evolve(scene, concrete(scene, solver), settings, progress)
+    check_particles(scene, solver.sized())
     ds = simulate_particles(scene, solver, settings.recorded, save_every, progress)
     if settings.dt is None:
         return ds

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, ClassVar
 
+import numpy as np
+
 from granstudy.model.methods import (
     METHODS,
     ONLY_SOME,
@@ -171,6 +173,8 @@ class Solver:
         """Keep numbers of NumPy as numbers of Python, R and rtol as floats, a pair of nodes as a tuple."""
         for name, _ in _defaults():
             given = getattr(self, name)
+            if isinstance(given, np.ndarray):
+                raise ValueError(f"{name}={given!r}: must be one value, not an array")
             value = plain(given)
             if name in REAL and is_real(value):
                 value = float(value)

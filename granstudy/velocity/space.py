@@ -8,10 +8,14 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from granstudy.support.checks import check_positive
+from granstudy.support.checks import check_positive, is_count
+from granstudy.support.machine import check_memory
 
 INVARIANTS = ("mass", "momentum", "energy")
 """Quantities that elastic collisions conserve, the keys of `VelocitySpace.invariants`."""
+
+MANY = 10**7
+"""Numbers up to which a grid is made without asking how much memory there is."""
 
 Term = tuple[Callable[[np.ndarray], np.ndarray], np.ndarray]
 """A function φ of the Laplacian's eigenvalues, and the density that φ(Δ) acts on."""
@@ -107,7 +111,7 @@ class VelocitySpace(Protocol):
 
 def check_dim(dim: int) -> None:
     """Raise ValueError unless ``dim`` is a velocity dimension."""
-    if dim not in (2, 3):
+    if not is_count(dim) or dim not in (2, 3):
         raise ValueError(f"dim={dim!r}: allowed are 2 and 3")
 
 
@@ -121,6 +125,12 @@ def check_node_count(N: int) -> None:
     """Raise ValueError unless ``N`` can be the number of radial nodes."""
     if isinstance(N, bool) or not isinstance(N, (int, np.integer)) or N < 4:
         raise ValueError(f"N={N!r}: must be an integer of at least 4, the number of radial nodes")
+
+
+def check_node_memory(N: int, numbers: int) -> None:
+    """Raise ValueError where memory cannot hold so many numbers, the least that a grid of N keeps."""
+    if numbers > MANY:
+        check_memory(f"N={N}", 8 * numbers, "a grid must fit; take a smaller N")
 
 
 def check_radius(R: float) -> None:
