@@ -229,7 +229,11 @@ def check_outputs(settings: TimeSettings) -> None:
     """Raise ValueError, before any step, where memory cannot hold what is recorded at every output."""
     if settings.dt is not None:
         needed = 8.0 * NUMBERS_AN_OUTPUT * settings.steps
-        check_memory(f"dt={settings.dt!r}", needed, "take a larger dt, or time_rtol")
+        check_memory(
+            f"t_final={settings.t_final!r}, dt={settings.dt!r}",
+            needed,
+            "take a larger dt, or time_rtol",
+        )
 
 
 def _numbers(values: object) -> np.ndarray:

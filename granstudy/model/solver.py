@@ -17,6 +17,7 @@ from granstudy.model.methods import (
     Method,
     that_take,
 )
+from granstudy.quadrature.rule import check_direction_count, check_gauss_size
 from granstudy.support.checks import check_count, is_count, is_real, plain
 from granstudy.support.errors import unknown_name
 from granstudy.support.files import file_digest
@@ -201,6 +202,7 @@ class Solver:
         """Raise ValueError for a bad number of nodes or threads, or a bad dealias."""
         if self.N_rho is not None:
             check_count("N_rho", self.N_rho)
+            check_gauss_size("N_rho", self.N_rho)
         elif not self.traits.free_radii:
             allowed = next(name for name, method in METHODS.items() if method.free_radii)
             raise ValueError(f"N_rho=None: only method {allowed!r} allows it, not {self.method!r}")
@@ -211,6 +213,8 @@ class Solver:
             raise ValueError(
                 f"M_sph={self.M_sph!r}: must be a positive integer, or a pair of them (N_theta, N_phi)"
             )
+        for field in ("M_sph", "M_cir"):
+            check_direction_count(field, math.prod(np.atleast_1d(getattr(self, field)).tolist()))
         if self.threads is not None:
             check_count("threads", self.threads)
         for field in ("dealias", "circular"):
@@ -244,9 +248,10 @@ class Solver:
 
     def _check_particles(self) -> None:
         """Raise ValueError for bad numbers of particles or batches, or a bad seed."""
+        if self.particles is None:
+            raise ValueError(f"particles=None: method {self.method!r} needs them; give a number")
         check_count("particles", self.particles)
         check_count("batches", self.batches)
-        assert self.particles is not None
         if self.batches < 2:
             raise ValueError(f"batches={self.batches!r}: must be at least 2, for standard errors")
         if self.particles % self.batches or self.particles < LEAST_PARTICLES * self.batches:

@@ -17,6 +17,9 @@ INVARIANTS = ("mass", "momentum", "energy")
 MANY = 10**7
 """Numbers up to which a grid is made without asking how much memory there is."""
 
+SMALLEST_R, LARGEST_R = 1e-40, 1e40
+"""Radii between which the seventh power, a fourth moment in 3D, is a number."""
+
 Term = tuple[Callable[[np.ndarray], np.ndarray], np.ndarray]
 """A function φ of the Laplacian's eigenvalues, and the density that φ(Δ) acts on."""
 
@@ -136,9 +139,13 @@ def check_node_memory(N: int, numbers: int) -> None:
 def check_radius(R: float) -> None:
     """Raise ValueError unless ``R`` can be the truncation radius."""
     check_positive("R", R)
+    if not SMALLEST_R <= float(R) <= LARGEST_R:
+        raise ValueError(f"R={R!r}: must lie between {SMALLEST_R:g} and {LARGEST_R:g}")
 
 
 def check_shape(f: np.ndarray, grid: VelocitySpace) -> None:
-    """Raise ValueError unless ``f`` has the shape of a density on ``grid``."""
+    """Raise ValueError unless ``f`` is an array of the shape of a density on ``grid``."""
+    if not hasattr(f, "shape"):
+        raise ValueError(f"density is a {type(f).__name__}: must be an array of shape {grid.shape}")
     if np.shape(f) != grid.shape:
         raise ValueError(f"density has shape {np.shape(f)}: the grid's is {grid.shape}")
