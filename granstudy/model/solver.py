@@ -17,7 +17,6 @@ from granstudy.model.methods import (
     Method,
     that_take,
 )
-from granstudy.quadrature.rule import check_direction_count, check_gauss_size
 from granstudy.support.checks import check_count, is_count, is_real, plain
 from granstudy.support.errors import unknown_name
 from granstudy.support.files import file_digest
@@ -202,7 +201,6 @@ class Solver:
         """Raise ValueError for a bad number of nodes or threads, or a bad dealias."""
         if self.N_rho is not None:
             check_count("N_rho", self.N_rho)
-            check_gauss_size("N_rho", self.N_rho)
         elif not self.traits.free_radii:
             allowed = next(name for name, method in METHODS.items() if method.free_radii)
             raise ValueError(f"N_rho=None: only method {allowed!r} allows it, not {self.method!r}")
@@ -213,8 +211,6 @@ class Solver:
             raise ValueError(
                 f"M_sph={self.M_sph!r}: must be a positive integer, or a pair of them (N_theta, N_phi)"
             )
-        for field in ("M_sph", "M_cir"):
-            check_direction_count(field, math.prod(np.atleast_1d(getattr(self, field)).tolist()))
         if self.threads is not None:
             check_count("threads", self.threads)
         for field in ("dealias", "circular"):

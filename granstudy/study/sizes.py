@@ -1,5 +1,6 @@
 """Sizes that no machine, or not this one, can hold: refused by a run's numbers alone, before any work."""
 
+import math
 import os
 from functools import cache
 
@@ -10,10 +11,13 @@ from granstudy.runs.estimates import estimate_run
 
 MOST = {
     "N": 100_000,
+    "N_rho": 10_000,
+    "M_sph": 100_000,
+    "M_cir": 100_000,
     "batches": 1_000_000,
     "particles": 10**13,
 }
-"""Sizes of a solver at most, a thousand times what a study needs."""
+"""Sizes of a solver at most, a thousand times what a study needs; `M_sph` as a pair by its product."""
 
 NUMBERS_A_NODE = 10
 """Numbers that a run on a Cartesian grid keeps for each node at least."""
@@ -50,7 +54,8 @@ def check_estimate(computation: Computation) -> None:
 def _check_counts(solver: Solver) -> None:
     for name, most in MOST.items():
         value = getattr(solver, name)
-        if value is not None and value > most:
+        size = math.prod(value) if isinstance(value, tuple | list) else value
+        if size is not None and size > most:
             raise ValueError(f"{name}={value!r}: must be {most:,} at most")
 
 

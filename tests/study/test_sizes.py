@@ -44,7 +44,7 @@ def test_a_stated_memory_is_a_positive_number(said, monkeypatch):
         ("N: 64", "N: 20000, particles: 1000", "the run would take|only method 'dsmc'"),
         ("dt: 0.1}", "dt: 2.0e-9}", "dt=2e-09: t_final=1.0 would take more than 100,000,000 steps"),
         ("dt: 0.1}", "dt: 2.0e-8}", "the run would take .* GB"),
-        ("M_sph: 32", "M_sph: 1000000", "M_sph=1000000: at most 65536; a rule of so many"),
+        ("M_sph: 32", "M_sph: 1000000", "M_sph=1000000: must be 100,000 at most"),
     ],
 )
 def test_nothing_of_the_size_is_made(load, monkeypatch, old, new, message):
