@@ -16,9 +16,10 @@ from granstudy.datasets.parameters import parameter
 from granstudy.datasets.run_dataset import versions
 from granstudy.datasets.storage.checkpoint import Checkpoint
 from granstudy.evolution.evolve import evolve
-from granstudy.evolution.times import TimeSettings, check_frame
+from granstudy.evolution.times import TimeSettings, check_frame, check_outputs
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
+from granstudy.particles.cost import check_particles
 from granstudy.particles.simulation import simulate_particles
 from granstudy.support.fingerprint import fingerprint
 from granstudy.support.progress import Progress
@@ -132,10 +133,12 @@ def advance(
 ) -> xr.Dataset:
     """`simulate` with settings of time that are checked; a checkpoint stays when the run is done."""
     check_frame(scene, solver, settings)
+    check_outputs(settings)
     if not solver.traits.by_particles:
         choice = concrete(scene, solver)
         kept = _checkpoint(scene, choice.solver, settings, checkpoint, maker(choice.solver))
         return evolve(scene, choice, settings, progress, kept)
+    check_particles(scene, solver.sized())
     kept = _checkpoint(scene, solver, settings, checkpoint)
     ds = simulate_particles(scene, solver, settings.recorded, settings.save_every, progress, kept)
     if settings.dt is None:

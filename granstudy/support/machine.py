@@ -4,6 +4,8 @@ import os
 from contextlib import suppress
 from pathlib import Path
 
+from granstudy.support.checks import LARGEST
+
 CGROUP = Path("/sys/fs/cgroup")
 """Where Linux says what a group of processes may use: a container's, a job's."""
 
@@ -42,6 +44,7 @@ def check_memory(what: str, needed: float, remedy: str) -> None:
     """
     allowed = memory()
     if allowed is not None and needed > allowed:
+        needed = min(needed, LARGEST)  # an integer may be beyond the largest float
         raise ValueError(
             f"{what}: takes about {needed / 1e9:.3g} GB of memory, and there are {allowed / 1e9:.3g} GB; "
             f"{remedy}"

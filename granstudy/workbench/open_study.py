@@ -19,6 +19,7 @@ from granstudy.datasets.open_runs import open_runs
 from granstudy.datasets.unstack import unstack_runs
 from granstudy.model.identity import coordinate
 from granstudy.runs.estimates import estimate_run
+from granstudy.study.healing import healed
 from granstudy.study.jobs import seconds_of, threads_of
 from granstudy.study.layout import Layout
 from granstudy.study.state import State, check_owner, show
@@ -259,7 +260,8 @@ class OpenStudy:
         beside = self._tables(model.beside_figure)
         own = self._tables([name])[name]
         runs = self._study.runs[name]
-        return draw(model, own, self.layout.run_files(name), list(beside.values()), runs)
+        with healed(self.layout, name):
+            return draw(model, own, self.layout.run_files(name), list(beside.values()), runs)
 
     def _tables(self, names: Sequence[str]) -> dict[str, xr.Dataset]:
         """Tables of experiments, each after those that stand beside it."""
@@ -276,7 +278,8 @@ class OpenStudy:
             self.show()
             files, runs = self.layout.run_files(name), self._study.runs[name]
             beside = list(self._tables(model.beside_table).values())
-            found[name] = experiment_table(model, runs, files, beside)
+            with healed(self.layout, name):
+                found[name] = experiment_table(model, runs, files, beside)
         return found
 
     def theory(self, experiment: str | None = None) -> xr.Dataset:

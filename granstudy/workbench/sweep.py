@@ -4,6 +4,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import xarray as xr
 
 from granstudy.datasets.collected import gather
@@ -17,6 +18,7 @@ from granstudy.runs.kinds import KINDS
 from granstudy.runs.run_key import run_keys, rung_keys
 from granstudy.runs.store import Store
 from granstudy.study.checks import check_computation
+from granstudy.support.checks import plain
 from granstudy.support.errors import unknown_name
 from granstudy.support.own_code.code import name_of
 from granstudy.workbench.calls import call_runs, call_tasks
@@ -139,6 +141,8 @@ def sweep(
 
 def _ladder(refine: Mapping[str, Any], others: Collection[str]) -> Refinement:
     """The ladder of ``refine``; ``others`` are words that the sweep sets beside it."""
+    if not isinstance(refine, Mapping):
+        raise ValueError(f"refine={refine!r}: give a mapping of N or R with its values")
     limits = {key: refine[key] for key in ("temperature", "a2") if key in refine}
     ladders = {key: value for key, value in refine.items() if key not in limits}
     if len(ladders) != 1:
@@ -146,7 +150,9 @@ def _ladder(refine: Mapping[str, Any], others: Collection[str]) -> Refinement:
     ((over, values),) = ladders.items()
     if over in others:
         raise ValueError(f"{over}: refine goes up its values; leave it out elsewhere")
-    return Refinement(over, tuple(values), **limits)
+    if isinstance(values, str) or not isinstance(values, Sequence | np.ndarray):
+        raise ValueError(f"refine={dict(refine)}: {over} must be a list of increasing values")
+    return Refinement(over, tuple(map(plain, values)), **limits)
 
 
 def _checked(
