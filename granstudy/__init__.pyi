@@ -1,4 +1,5 @@
 from . import theory as theory
+from .accessor.granular import Granular as Granular
 from .collision.choice.grid import fit_solver as fit_solver
 from .collision.fast.adaptive.plan import QuadraturePlan as QuadraturePlan
 from .collision.operator import choose as choose

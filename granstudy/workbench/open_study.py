@@ -18,6 +18,7 @@ from granstudy.datasets.netcdf import read_dataset
 from granstudy.datasets.open_runs import open_runs
 from granstudy.datasets.unstack import unstack_runs
 from granstudy.model.identity import coordinate
+from granstudy.reading.theories import theories
 from granstudy.runs.estimates import estimate_run
 from granstudy.study.jobs import seconds_of, threads_of
 from granstudy.study.layout import Layout
@@ -28,7 +29,6 @@ from granstudy.support.reporter import duration
 from granstudy.trust.flags import flag_word
 from granstudy.workbench.compute import Failure, compute
 from granstudy.workbench.tasks import RunTask
-from granstudy.workbench.theories import theories
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -10,8 +10,8 @@ from granstudy.analysis.figures.lines import check_one_exponent, distinguishing
 from granstudy.analysis.figures.style import COLOURS, MARKERS, PANEL_HEIGHT, WIDTH
 from granstudy.analysis.groups import values_of
 from granstudy.analysis.source import FigureSource
-from granstudy.analysis.tables.fits import local_slope
 from granstudy.datasets.open_runs import open_runs
+from granstudy.reading.cooling import local_slope
 from granstudy.theory import haff_temperature
 
 SAMPLES = 20

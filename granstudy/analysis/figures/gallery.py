@@ -16,6 +16,7 @@ from granstudy.analysis.source import FigureSource
 from granstudy.analysis.tables.truth import truth_model, truth_of
 from granstudy.datasets.netcdf import read_dataset
 from granstudy.evolution.frames.physical import physical_density
+from granstudy.reading.weights import trigonometric_weights
 from granstudy.trust.flags import flag_word
 from granstudy.trust.truth import Truth
 
@@ -135,17 +136,5 @@ def thermal_profile(ds: xr.Dataset) -> tuple[np.ndarray, np.ndarray] | None:
         return np.concatenate([-r[::-1], r]), np.concatenate([values[::-1], values])
     axes = [f[f"v{axis}"].values for axis in ds["component"].values]
     for axis in reversed(range(1, d)):
-        values = values @ interpolation(axes[axis], u[axis])
+        values = values @ trigonometric_weights(axes[axis], u[axis])
     return (axes[0] - u[0]) / thermal, values
-
-
-def interpolation(nodes: np.ndarray, x: float) -> np.ndarray:
-    """Weights of equidistant nodes for the value at x of their periodic trigonometric interpolant.
-
-    w_j = (1/N) Σ_{|k| ≤ N/2} cos(2πk(x − v_j)/P), P the period; the two unpaired modes count half each.
-    """
-    N = len(nodes)
-    phase = 2.0 * np.pi * (x - nodes) / (N * (nodes[1] - nodes[0]))
-    k = np.arange(1, N // 2)
-    paired = 2.0 * np.cos(np.multiply.outer(phase, k)).sum(axis=1)
-    return (1.0 + paired + np.cos(N // 2 * phase)) / N
