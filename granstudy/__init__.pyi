@@ -25,6 +25,7 @@ from .model.scene import Scene as Scene
 from .model.solver import Solver as Solver
 from .states.solve import cooling_state as cooling_state
 from .states.solve import heated_state as heated_state
+from .trust.notice import NotTrustedWarning as NotTrustedWarning
 from .velocity.cartesian import VelocityGrid as VelocityGrid
 from .velocity.moments import moments as moments
 from .velocity.radial import RadialGrid as RadialGrid

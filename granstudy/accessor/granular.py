@@ -5,6 +5,7 @@ from typing import Any
 
 import xarray as xr
 
+from granstudy.accessor.plots import Plots
 from granstudy.model.kernel import VHS
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
@@ -29,6 +30,11 @@ class Granular:
     def __init__(self, ds: xr.Dataset) -> None:
         self._ds = ds
         self._held: Kept | None = None
+
+    @property
+    def plot(self) -> Plots:
+        """Figures: ``ds.granular.plot.temperature()``, ``.cooling()``, ``.map("a2", "e", "N")``, .."""
+        return Plots(self._ds)
 
     # What was computed.
 

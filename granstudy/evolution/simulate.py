@@ -16,6 +16,7 @@ from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.particles.simulation import simulate_particles
 from granstudy.support.progress import Progress
+from granstudy.trust.notice import warn_of_trust
 
 FORK = "no run follows or hashes this module (granstudy.support.fingerprint)"
 """Mark of a fork."""
@@ -98,16 +99,30 @@ def simulate(
     ValueError
         For a bad scene, solver or time, before any work starts.
 
+    Warns
+    -----
+    NotTrustedWarning
+        If the run is marginal or untrusted, with the remedy.
+
     Notes
     -----
     By method `dsmc`, times only say when moments are recorded; frame and conservation have no meaning there
     and are refused.
     """
     settings = TimeSettings(t_final, dt, time_rtol, times, frame, scheme, conserve, save_every)
+    ds = simulated(scene, solver, settings, progress)
+    warn_of_trust(ds)
+    return ds
+
+
+def simulated(
+    scene: Scene, solver: Solver, settings: TimeSettings, progress: Progress = None
+) -> xr.Dataset:
+    """What `simulate` gives, without its warning."""
     check_frame(scene, solver, settings)
     if not solver.traits.by_particles:
         return evolve(scene, concrete(scene, solver), settings, progress)
-    ds = simulate_particles(scene, solver, settings.recorded, save_every, progress)
+    ds = simulate_particles(scene, solver, settings.recorded, settings.save_every, progress)
     if settings.dt is None:
         return ds
     return ds.assign_coords(dt=((), settings.dt, parameter("dt").attributes))

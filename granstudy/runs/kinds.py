@@ -7,7 +7,7 @@ from functools import partial
 import xarray as xr
 
 from granstudy.evolution.forecast import expected_evaluations
-from granstudy.evolution.simulate import computed_by, simulate
+from granstudy.evolution.simulate import computed_by, simulated
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver, Solver
 from granstudy.runs.computation import Computation
@@ -58,8 +58,8 @@ class Kind:
 
 
 def _evolve(computation: Computation, solver: Solver, progress: Progress) -> xr.Dataset:
-    assert computation.time_fields is not None
-    return simulate(computation.scene, solver, **computation.time_fields, progress=progress)
+    assert computation.time is not None
+    return simulated(computation.scene, solver, computation.time, progress)
 
 
 def _evolution_evaluations(computation: Computation, solver: SizedSolver) -> int:

@@ -27,6 +27,7 @@ from granstudy.study.study import Member, Study, load_study
 from granstudy.support.errors import unknown_name
 from granstudy.support.reporter import duration
 from granstudy.trust.flags import flag_word
+from granstudy.trust.notice import warn_of_trust
 from granstudy.workbench.compute import Failure, compute
 from granstudy.workbench.tasks import RunTask
 
@@ -218,6 +219,7 @@ class OpenStudy:
             gathered = self._gathered(name)
             rows = [i for i, key in enumerate(gathered["run_key"].values.tolist()) if key in keys]
             runs = gathered.isel(run=rows)
+        warn_of_trust(runs)
         if stacked or references:
             return runs
         over = self._swept(name, runs)

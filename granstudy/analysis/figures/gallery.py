@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from granstudy.analysis.columns import symbol
+from granstudy.analysis.figures.plots.marks import line_opacity
 from granstudy.analysis.figures.style import COLOURS, PANEL_HEIGHT, WIDTH
 from granstudy.analysis.groups import keys
 from granstudy.analysis.labels import run_text, telling_apart
@@ -46,7 +47,8 @@ def draw_gallery(source: FigureSource) -> Figure:
         ds = read_dataset(file)
         look: dict[str, Any] = {"color": COLOURS[i % len(COLOURS)], "zorder": 3}
         # Runs that agree lie over each other, the first one wide and pale, so that all are seen.
-        look |= {"linewidth": 1.3 + 0.8 * (len(rows) - 1 - i), "alpha": 0.85}
+        opacity = 0.85 * line_opacity(np.atleast_1d(ds["trust"].values))
+        look |= {"linewidth": 1.3 + 0.8 * (len(rows) - 1 - i), "alpha": opacity}
         label = run_text(dict(zip(names, key, strict=True)), symbol)
         label += f": {flag_word('trust', ds['trust'])}{', stopped' * bool(int(ds['status']))}"
         panels[0].plot(ds["time"], ds["temperature"], **look, label=label)
