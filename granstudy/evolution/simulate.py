@@ -23,6 +23,7 @@ from granstudy.particles.cost import check_particles
 from granstudy.particles.simulation import simulate_particles
 from granstudy.support.fingerprint import fingerprint
 from granstudy.support.progress import Progress
+from granstudy.trust.notice import warn_of_trust
 
 FORK = "no run follows or hashes this module (granstudy.support.fingerprint)"
 """Mark of a fork."""
@@ -112,6 +113,11 @@ def simulate(
         For a bad scene, solver or time, before any work starts; and where ``checkpoint`` is a file of another
         kind, or of a run with another scene, solver, time, code, or version of a library.
 
+    Warns
+    -----
+    NotTrustedWarning
+        If the run is marginal or untrusted, with the remedy.
+
     Notes
     -----
     By method `dsmc`, times only say when moments are recorded; frame and conservation have no meaning there
@@ -121,6 +127,7 @@ def simulate(
     ds = advance(scene, solver, settings, progress, checkpoint)
     if checkpoint is not None:
         Path(checkpoint).unlink(missing_ok=True)
+    warn_of_trust(ds)
     return ds
 
 
@@ -131,7 +138,7 @@ def advance(
     progress: Progress = None,
     checkpoint: str | os.PathLike[str] | None = None,
 ) -> xr.Dataset:
-    """`simulate` with settings of time that are checked; a checkpoint stays when the run is done."""
+    """`simulate` with settings of time that are checked, and without its warning; a checkpoint stays."""
     check_frame(scene, solver, settings)
     check_outputs(settings)
     if not solver.traits.by_particles:

@@ -18,6 +18,7 @@ from granstudy.datasets.netcdf import read_dataset
 from granstudy.datasets.open_runs import open_runs
 from granstudy.datasets.unstack import unstack_runs
 from granstudy.model.identity import coordinate
+from granstudy.reading.theories import theories
 from granstudy.runs.estimates import estimate_run
 from granstudy.study.healing import healed
 from granstudy.study.jobs import seconds_of, threads_of
@@ -27,9 +28,9 @@ from granstudy.study.study import Member, Study, load_study
 from granstudy.support.errors import unknown_name
 from granstudy.support.reporter import duration
 from granstudy.trust.flags import flag_word
+from granstudy.trust.notice import warn_of_trust
 from granstudy.workbench.compute import Failure, compute
 from granstudy.workbench.tasks import RunTask
-from granstudy.workbench.theories import theories
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -220,6 +221,7 @@ class OpenStudy:
             gathered = self._gathered(name)
             rows = [i for i, key in enumerate(gathered["run_key"].values.tolist()) if key in keys]
             runs = gathered.isel(run=rows)
+        warn_of_trust(runs)
         if stacked or references:
             return runs
         over = self._swept(name, runs)

@@ -21,6 +21,7 @@ from granstudy.study.checks import check_computation
 from granstudy.support.checks import plain
 from granstudy.support.errors import unknown_name
 from granstudy.support.own_code.code import name_of
+from granstudy.trust.notice import warn_of_trust
 from granstudy.workbench.calls import call_runs, call_tasks
 from granstudy.workbench.compute import Failure, compute
 from granstudy.workbench.points import Point, Values, at_points, labels, listed, product, shown
@@ -136,7 +137,9 @@ def sweep(
         failures |= _failures(compute(tasks, store, **how))
     files = {key: store.path(key) for key in _there(keys, failures)}
     runs = open_runs(list(files.values()), densities=True) if densities else gather(files)
-    return at_points(runs, keys, labelled, failures)
+    found = at_points(runs, keys, labelled, failures)
+    warn_of_trust(found)
+    return found
 
 
 def _ladder(refine: Mapping[str, Any], others: Collection[str]) -> Refinement:
