@@ -10,7 +10,7 @@ import xarray as xr
 
 from granstudy.collision.fast.adaptive.retuning import Tuning
 from granstudy.collision.operator import collision_operator
-from granstudy.collision.protocol import CollisionOperator
+from granstudy.collision.protocol import CollisionOperator, wisdom_attributes
 from granstudy.datasets.run_dataset import Header, Record
 from granstudy.datasets.storage.checkpoint import Checkpoint
 from granstudy.evolution.conservation import Projection
@@ -81,7 +81,7 @@ def evolve(
     ds = evolution_dataset(header, run.operator.grid, record, settings.rescaled)
     if isinstance(run.steps, AdaptiveSteps):
         ds.attrs["steps"] = json.dumps(run.steps.describe())
-    return ds
+    return ds.assign_attrs(wisdom_attributes(run.operator))
 
 
 def _points(run: "_Prepared", observer: "_Observer", kept: Any) -> Iterator[Point]:

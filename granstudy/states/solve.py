@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from granstudy.collision import collision_operator, concrete
+from granstudy.collision.protocol import wisdom_attributes
 from granstudy.datasets.run_dataset import Header
 from granstudy.evolution.unknowns import representation
 from granstudy.model.densities import Maxwellian
@@ -164,7 +165,8 @@ def _state(
         found = newton(equation, start, tolerance, max_iterations, report)
     examined = _health(gaussian, equation, found, heated)
     header = Header.of("heated state" if heated else "cooling state", scene, choice)
-    return state_dataset(header, gas, equation, found, examined, heated)
+    ds = state_dataset(header, gas, equation, found, examined, heated)
+    return ds.assign_attrs(wisdom_attributes(operator))
 
 
 def _check_solver(solver: Solver) -> None:

@@ -1,10 +1,25 @@
 """Cores and memory of the machine that this process may use."""
 
 import os
+import platform
 from contextlib import suppress
 from pathlib import Path
 
 from granstudy.support.checks import LARGEST
+
+CPUINFO = Path("/proc/cpuinfo")
+"""Where Linux describes its processors, one after the other."""
+
+CPU_MODEL = (
+    "vendor_id",
+    "cpu family",
+    "model",
+    "model name",
+    "stepping",
+    "CPU implementer",
+    "CPU part",
+)
+"""What the description of a processor has of its model, on x86 and on ARM."""
 
 CGROUP = Path("/sys/fs/cgroup")
 """Where Linux says what a group of processes may use: a container's, a job's."""
@@ -15,6 +30,17 @@ def cores() -> int:
     if hasattr(os, "sched_getaffinity"):  # not on macOS
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def cpu_model() -> str:
+    """Model of this machine's processor, as the system describes it."""
+    described = {}
+    with suppress(OSError):
+        for line in CPUINFO.read_text().partition("\n\n")[0].splitlines():
+            name, _, value = line.partition(":")
+            described[name.strip()] = value.strip()
+    known = [described[name] for name in CPU_MODEL if name in described]
+    return " ".join(known or [platform.machine(), platform.processor()])
 
 
 def memory() -> int | None:

@@ -53,6 +53,11 @@ class AdaptiveOperator:
         """The symmetry that densities must have."""
         return self.operator.group
 
+    @property
+    def fftw_wisdom(self) -> str:
+        """Hash of the wisdom that FFTW planned with; "" where it had none."""
+        return self.operator.fftw_wisdom
+
     def transform(self) -> None:
         """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
         with self._one_at_a_time:
