@@ -16,10 +16,11 @@ HOUSE = Path(__file__).parents[1] / "granstudy"
 FLOORS = (
     ("commands",),
     ("workbench",),
+    ("accessor",),
     ("analysis",),
     ("study",),
     ("runs",),
-    ("states",),
+    ("states", "reading"),
     ("evolution",),
     ("particles",),
     ("datasets",),

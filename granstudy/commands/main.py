@@ -12,6 +12,7 @@ from granstudy.commands.opening import open_
 from granstudy.commands.pruning import prune
 from granstudy.commands.running import run
 from granstudy.commands.starting import init, new
+from granstudy.commands.tuning import tune
 from granstudy.commands.verifying import verify
 from granstudy.commands.watching import status
 
@@ -39,5 +40,5 @@ def granstudy() -> None:
     """
 
 
-for command in (new, init, check, plan, run, status, open_, prune, verify, cite):
+for command in (new, init, check, plan, run, status, open_, prune, verify, tune, cite):
     granstudy.add_command(command)

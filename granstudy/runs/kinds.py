@@ -3,12 +3,13 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 
 import xarray as xr
 
 from granstudy.collision.operator import concrete
 from granstudy.evolution.forecast import expected_evaluations
-from granstudy.evolution.simulate import computed_by, simulate
+from granstudy.evolution.simulate import advance, computed_by
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver, Solver
 from granstudy.runs.computation import Computation
@@ -34,8 +35,9 @@ class Kind:
     code : callable
         chosen solver ↦ the function that computes such a run; its module is the code that the run uses.
     compute : callable or None
-        (computation, solver, progress) ↦ the run's dataset, progress as of `granstudy.simulate`; None where
-        all runs of an experiment are computed together.
+        (computation, solver, progress, checkpoint) ↦ the run's dataset, progress as of `granstudy.simulate`;
+        None where all runs of an experiment are computed together. The checkpoint is a path or None, for runs
+        that can go on from there; whoever asked for the run removes it.
     evaluations : callable
         (computation, chosen solver) ↦ evaluations of Q that the run makes; an estimate where the steps adapt.
     planned_scene : callable
@@ -54,7 +56,7 @@ class Kind:
     """
 
     code: Callable[[Solver], Callable[..., object]]
-    compute: Callable[[Computation, Solver, Progress], xr.Dataset] | None
+    compute: Callable[[Computation, Solver, Progress, Path | None], xr.Dataset] | None
     evaluations: Callable[[Computation, SizedSolver], int] = lambda computation, solver: 1
     planned_scene: Callable[[Scene], Scene] = lambda scene: scene
     check: Callable[[Computation], None] = lambda computation: None
@@ -64,9 +66,11 @@ class Kind:
     parts: Callable[[Computation], Sequence[Computation]] = lambda computation: ()
 
 
-def _evolve(computation: Computation, solver: Solver, progress: Progress) -> xr.Dataset:
-    assert computation.time_fields is not None
-    return simulate(computation.scene, solver, **computation.time_fields, progress=progress)
+def _evolve(
+    computation: Computation, solver: Solver, progress: Progress, checkpoint: Path | None
+) -> xr.Dataset:
+    assert computation.time is not None
+    return advance(computation.scene, solver, computation.time, progress, checkpoint)
 
 
 def _evolution_evaluations(computation: Computation, solver: SizedSolver) -> int:
@@ -74,7 +78,13 @@ def _evolution_evaluations(computation: Computation, solver: SizedSolver) -> int
     return expected_evaluations(computation.scene, solver, computation.time)
 
 
-def _find(state: str, computation: Computation, solver: Solver, progress: Progress) -> xr.Dataset:
+def _find(
+    state: str,
+    computation: Computation,
+    solver: Solver,
+    progress: Progress,
+    checkpoint: Path | None,
+) -> xr.Dataset:
     return FIND[state](computation.scene, solver, progress=progress)
 
 
@@ -99,15 +109,19 @@ def _label_parts(computation: Computation) -> list[Computation]:
     return [run] if truth is None else [run, truth]
 
 
-def _label(computation: Computation, solver: Solver, progress: Progress) -> xr.Dataset:
+def _label(
+    computation: Computation, solver: Solver, progress: Progress, checkpoint: Path | None
+) -> xr.Dataset:
     assert computation.time is not None
     run, *finer = _label_parts(computation)
-    truths = [_evolve(one, replace(one.solver, threads=solver.threads), False) for one in finer]
+    truths = [
+        _evolve(one, replace(one.solver, threads=solver.threads), False, None) for one in finer
+    ]
     return labelled_run(
         computation.scene,
         concrete(computation.scene, solver),
         computation.time,
-        _evolve(run, solver, progress),
+        _evolve(run, solver, progress, None),
         truths[0] if truths else None,
     )
 
@@ -121,7 +135,7 @@ KINDS = {
     ),
     "collision": Kind(
         code=lambda solver: evaluate,
-        compute=lambda computation, solver, progress: evaluate(computation.scene, solver),
+        compute=lambda computation, solver, *_: evaluate(computation.scene, solver),
         shares_nodes=True,
     ),
     "benchmark": Kind(code=lambda solver: evaluate, compute=None, needs_size=True),

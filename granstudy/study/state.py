@@ -118,9 +118,11 @@ def prepare(layout: Layout, file: str | Path, cores: int | None) -> list[Job]:
     state = State(layout)
     show(state, file)
     left = jobs(state.missing, cores)
-    for job in left:
-        job.write(Path(layout.job_file(job.id)))
     _forget_jobs(state, {job.id for job in left})
+    for job in left:
+        # A receipt from when its runs were there would leave the job out.
+        Path(layout.receipt(job.id)).unlink(missing_ok=True)
+        job.write(Path(layout.job_file(job.id)))
     layout.store.sweep(ABANDONED, time.time())
     _write_overview(state, left, cores)
     return left

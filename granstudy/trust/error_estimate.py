@@ -1,6 +1,6 @@
 """The errors of T and a2, estimated while a run goes on (docs/method.md §10)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -118,6 +118,23 @@ class Settled(NamedTuple):
     other: float
 
 
+class Memory(NamedTuple):
+    """What an examination remembers of a run beside its outputs, all that its estimates to come depend on.
+
+    ``first`` are the moments of the first output. ``clock`` is the collisions' time now, ``balanced_at`` that
+    of the last ``balance``. ``settled`` are the errors at that time by imbalance, ``stepped`` those by steps.
+    ``passed`` are the times of balances between outputs that have passed.
+    """
+
+    first: health.Moments
+    clock: float
+    balanced_at: float
+    balance: Balance | None
+    settled: Settled
+    stepped: Change
+    passed: int
+
+
 Found = Callable[[], tuple[Change, float]]
 """Rates of T and a2 by the discrete equation, and the rate of energy that was taken from Q."""
 
@@ -158,6 +175,25 @@ class Examination:
         self._settled = Settled(0.0, 0.0, 0.0)
         self._stepped = Change(0.0, 0.0)
         self.outputs: list[dict[str, float]] = []
+
+    @property
+    def memory(self) -> Memory:
+        """What the estimates to come depend on, beside the outputs."""
+        return Memory(
+            self._first,
+            self._clock,
+            self._balanced_at,
+            self._balance,
+            self._settled,
+            self._stepped,
+            self._passed,
+        )
+
+    def resume(self, memory: Memory, outputs: Sequence[dict[str, float]]) -> None:
+        """Go on from a memory, and from the outputs until then."""
+        self._first, self._clock, self._balanced_at, self._balance = memory[:4]
+        self._settled, self._stepped, self._passed = memory[4:]
+        self.outputs[:] = outputs
 
     def step(self, clock: float, error: Change) -> None:
         """Count the error of a step that led to a time.

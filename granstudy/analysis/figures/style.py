@@ -83,6 +83,7 @@ STYLE: Any = {
     "axes.spines.right": False,
     "grid.color": "0.9",
     "grid.linewidth": 0.6,
+    "hatch.linewidth": 0.5,
     "legend.frameon": False,
     "legend.fontsize": 8.5,
     "lines.linewidth": 1.4,

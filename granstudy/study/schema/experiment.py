@@ -123,7 +123,15 @@ class FigureModel(Section):
     """What is drawn; the kinds are those of `granstudy.analysis.figures.figure.FIGURES`."""
 
     kind: str
-    x: Annotated[str | None, Field(description="the parameter on the abscissa")] = None
+    x: Annotated[
+        str | None,
+        Field(description="the parameter on the abscissa; for a quantity also time, its default"),
+    ] = None
+    y: Annotated[str | None, Field(description="for a map: the parameter on the ordinate")] = None
+    quantity: Annotated[
+        str | None,
+        Field(description="for a quantity or a map: any number of the runs; default: the table's"),
+    ] = None
     title: Annotated[str | None, Field(description="default: the experiment's")] = None
     beside: list[str] = Field(
         [], description="for a front or states: other experiments, panels beside this one's"
