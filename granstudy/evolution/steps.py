@@ -140,8 +140,8 @@ class FixedSteps:
                 made = self._scheme.step(self._equation, state, self._dt, first)
                 size = self._equation.relative_size(made.error, state)
                 error, state = self._scheme.error(size) * made.error, made.state
-            except RAN_AWAY:
-                raise StoppedError(step, step * self._dt, health.NOT_FINITE) from None
+            except RAN_AWAY as away:
+                raise StoppedError(step, step * self._dt, health.ran_away(away)) from None
             self.position = Position(step, step * self._dt, state)
             yield Point(step, step * self._dt, state, True, error)
 
