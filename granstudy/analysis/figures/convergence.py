@@ -82,7 +82,7 @@ def draw_convergence(source: FigureSource) -> Figure:
         mark_values(ax, x, np.unique(table[x]).tolist())
     _label_outer(axes, x, table.attrs["quantity"])
     handles = [
-        Line2D([], [], label=label(line) or str(table["method"].values.flat[0]), **style)
+        Line2D([], [], label=label(line, names) or str(table["method"].values.flat[0]), **style)
         for line, style in styles.items()
     ]
     if _paper_is_drawn(table):

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from granstudy.analysis.columns import symbol
 from granstudy.analysis.figures.lines import check_one_exponent
-from granstudy.analysis.figures.plots.marks import mark, trust_handles
+from granstudy.analysis.figures.plots.marks import line_opacity, mark, trust_handles
 from granstudy.analysis.figures.style import (
     COLOURS,
     MARKERS,
@@ -122,8 +122,8 @@ def _states(ax: Axes, part: xr.Dataset, name: str, look: dict[str, Any]) -> None
     """Draw a line through the states, with markers that tell their labels."""
     part = part.sortby("e")
     e, y, trust = part["e"].values, part[name].values, part["trust"].values
-    line = {key: value for key, value in look.items() if key != "marker"}
-    ax.plot(e, y, zorder=2, **line)
+    # The legend shows the marker that `mark` puts on the points.
+    ax.plot(e, y, markersize=4.5, markevery=[], alpha=line_opacity(trust), zorder=2, **look)
     mark(ax, e, y, trust, {"markersize": 4.5, "zorder": 3} | look)
 
 
