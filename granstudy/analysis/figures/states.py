@@ -17,6 +17,7 @@ from granstudy.analysis.figures.style import (
     MARKERS,
     PANEL_HEIGHT,
     WIDTH,
+    Picture,
     family_styles,
 )
 from granstudy.analysis.groups import Key, groups, keys
@@ -52,7 +53,7 @@ def draw_states(source: FigureSource) -> Figure:
     compared = any("a2_error" in table or _beside(table) for table in tables)
     ratios = [3, 2] if compared else [3]
     height = 0.35 * sum(ratios) * PANEL_HEIGHT + 0.9
-    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    figure = Picture(figsize=(WIDTH, height), layout="constrained")
     axes = figure.subplots(
         len(ratios), len(tables), squeeze=False, sharex="col", height_ratios=ratios
     )
