@@ -84,7 +84,7 @@ def test_readmes_study_is_the_one_that_granstudy_new_writes():
     assert yaml.safe_load(study) == yaml.safe_load(template.read_text("utf-8"))
 
 
-@pytest.mark.parametrize("page", ["own_gas.md", "sweeps.md"])
+@pytest.mark.parametrize("page", ["own_gas.md", "sweeps.md", "reading.md"])
 def test_code_of_a_page_runs(page, tmp_path):
     text = (ROOT / "docs" / page).read_text("utf-8")
     code = "\n".join(re.findall(r"^```python\n(.*?)^```", text, re.M | re.S))
