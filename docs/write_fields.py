@@ -28,6 +28,7 @@ EXPERIMENTS = {
     "CollisionExperiment": "collision",
     "BenchmarkExperiment": "benchmark",
     "StateExperiment": "state",
+    "LabelsExperiment": "labels",
 }
 """Sections that are one table, with the kind of run that each stands for."""
 

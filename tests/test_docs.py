@@ -45,7 +45,9 @@ def test_links_to_headings_lead_somewhere(page):
 
 def test_files_that_it_names_are_there(page):
     files = parts(rf"(?<![\w/.])(?:\.\./)?((?:{FOLDERS})/[\w./-]*\w)", page)
-    assert [file for file in files if not (ROOT / file).exists()] == []
+    written = "docs/_build/"  # by the commands on the pages
+    missing = [file for file in files if not (ROOT / file).exists()]
+    assert [file for file in missing if not file.startswith(written)] == []
 
 
 def test_names_of_granstudy_that_it_mentions_exist(page):
