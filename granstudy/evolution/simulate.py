@@ -109,7 +109,7 @@ def simulate(
     check_outputs(settings)
     if not solver.traits.by_particles:
         return evolve(scene, concrete(scene, solver), settings, progress)
-    check_particles(scene, solver.sized())
+    check_particles(scene, solver.sized(), settings.t_final)
     ds = simulate_particles(scene, solver, settings.recorded, save_every, progress)
     if settings.dt is None:
         return ds

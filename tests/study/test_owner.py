@@ -33,6 +33,7 @@ def checkout(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.fault("C4")
 def test_a_study_named_like_a_shipped_one_takes_another_name_or_folder(checkout):
     own = Layout(load_text(checkout, STUDY, "quick"))
     with pytest.raises(
@@ -69,10 +70,12 @@ def test_a_folder_of_results_has_no_braces(checkout):
         check_owner(layout, checkout / "own.yaml")
 
 
+@pytest.mark.fault("C4")
 def test_a_study_called_paper_has_no_notebooks_of_runs_that_it_lacks(tmp_path):
     assert Layout(load_text(tmp_path, STUDY, "paper"), str(tmp_path)).notebooks == []
 
 
+@pytest.mark.fault("C4")
 @pytest.mark.parametrize("name", ["my{s}", "my study", ".hidden", "it's", "x" * 65, "-x"])
 def test_names_of_study_files(tmp_path, name):
     with pytest.raises(ValueError, match="is no name of a study, whose results lie in a folder"):
