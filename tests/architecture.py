@@ -19,6 +19,7 @@ FLOORS = (
     ("analysis",),
     ("study",),
     ("runs",),
+    ("accuracy",),
     ("states",),
     ("evolution",),
     ("particles",),

@@ -58,6 +58,8 @@ class Point(NamedTuple):
         Whether the state is an output.
     error : ndarray or None
         Estimated error of the step, a change of the state; None at the start.
+    rate : ndarray or None
+        Rate of change at the state, where the scheme has it; else None.
     """
 
     step: int
@@ -65,6 +67,7 @@ class Point(NamedTuple):
     state: np.ndarray
     is_output: bool
     error: np.ndarray | None = None
+    rate: np.ndarray | None = None
 
 
 class StoppedError(Exception):
@@ -114,6 +117,8 @@ class FixedSteps:
 class AdaptiveSteps:
     """Steps whose estimated relative error is at most ``rtol``; they hit the ``times`` of outputs.
 
+    The first of the times is that of the first state.
+
     Attributes
     ----------
     outputs : int
@@ -135,15 +140,15 @@ class AdaptiveSteps:
         self._before = 1.0
 
     def march(self, state: np.ndarray) -> Iterator[Point]:
-        """Every state, from the first one at t = 0 on.
+        """Every state, from the first one on.
 
         Raises
         ------
         StoppedError
             If no step is small enough.
         """
-        t = 0.0
-        yield Point(0, 0.0, state, True)
+        t = float(self._times[0])
+        yield Point(0, t, state, True)
         h = self._first_step(state)
         for target in self._times[1:]:
             while t < target:
@@ -166,7 +171,8 @@ class AdaptiveSteps:
                 state = self._equation.symmetrise(made.state)
                 self.accepted += 1
                 self._first = made.last
-                yield Point(self.accepted, t, state, hit, self._scheme.error(size) * made.error)
+                made_error = self._scheme.error(size) * made.error
+                yield Point(self.accepted, t, state, hit, made_error, made.last)
 
     def equation_changed(self) -> None:
         """Note that rates have changed: the first rate of the next step is computed anew."""
@@ -208,4 +214,4 @@ class AdaptiveSteps:
         self._first = self._scheme.first(self._equation, state)
         self.evaluations += 1
         change = self._equation.relative_size(self._first, state)
-        return FIRST_CHANGE / max(change, FIRST_CHANGE / self._times[1])
+        return FIRST_CHANGE / max(change, FIRST_CHANGE / (self._times[1] - self._times[0]))
