@@ -1,4 +1,7 @@
+__version__: str
+
 from . import theory as theory
+from .accessor.granular import Granular as Granular
 from .collision.choice.grid import fit_solver as fit_solver
 from .collision.fast.adaptive.plan import QuadraturePlan as QuadraturePlan
 from .collision.operator import choose as choose
@@ -24,6 +27,7 @@ from .model.scene import Scene as Scene
 from .model.solver import Solver as Solver
 from .states.solve import cooling_state as cooling_state
 from .states.solve import heated_state as heated_state
+from .trust.notice import NotTrustedWarning as NotTrustedWarning
 from .velocity.cartesian import VelocityGrid as VelocityGrid
 from .velocity.moments import moments as moments
 from .velocity.radial import RadialGrid as RadialGrid

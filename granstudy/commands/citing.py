@@ -16,6 +16,7 @@ PAPER = """@article{HuMa2019,
 }"""
 
 SOFTWARE = """@software{{granstudy,
+  author  = {{{{the granstudy developers}}}},
   title   = {{granstudy: parameter studies of granular gases by the fast {{Fourier}} spectral method}},
   version = {{{version}}},
   license = {{MIT}}

@@ -37,8 +37,9 @@ class Parameter:
 
     @property
     def attributes(self) -> dict[str, str]:
-        """Attributes of its coordinate."""
-        return {"long_name": self.long_name, "units": self.units}
+        """Attributes of its coordinate; `symbol` is Matplotlib's mathematics."""
+        attributes = {"long_name": self.long_name, "units": self.units}
+        return attributes | ({"symbol": self.symbol} if self.symbol else {})
 
 
 PARAMETERS: dict[str, Parameter] = {

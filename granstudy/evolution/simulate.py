@@ -3,19 +3,27 @@
 The module is a fork: it only chooses, and no run's key depends on it (`granstudy.support.fingerprint`).
 """
 
+import os
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
+from granstudy.collision.choice.methods import maker
 from granstudy.collision.operator import concrete
 from granstudy.datasets.parameters import parameter
+from granstudy.datasets.run_dataset import versions
+from granstudy.datasets.storage.checkpoint import Checkpoint
 from granstudy.evolution.evolve import evolve
-from granstudy.evolution.times import TimeSettings, check_frame
+from granstudy.evolution.times import TimeSettings, check_frame, check_outputs
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
+from granstudy.particles.cost import check_particles
 from granstudy.particles.simulation import simulate_particles
+from granstudy.support.fingerprint import fingerprint
 from granstudy.support.progress import Progress
+from granstudy.trust.notice import warn_of_trust
 
 FORK = "no run follows or hashes this module (granstudy.support.fingerprint)"
 """Mark of a fork."""
@@ -34,6 +42,7 @@ def simulate(
     conserve: Sequence[str] = (),
     save_every: int | None = None,
     progress: Progress = None,
+    checkpoint: str | os.PathLike[str] | None = None,
 ) -> xr.Dataset:
     """Advance the initial density of a scene to ``t_final``, on a grid or by particles.
 
@@ -77,6 +86,11 @@ def simulate(
         (a terminal, a notebook). By a grid, done is the number of outputs after the start, and the function
         is called after each output, and between outputs about ten times a second. By particles, all batches
         count together, the time is their mean, and the function is called about ten times a second.
+    checkpoint : str or path, optional
+        File that the state of the run is written to once a minute, so that the same call goes on from there
+        after an interruption, with the same numbers as a run without one. It is removed when the run is
+        done. The environment variable ``GRANSTUDY_CHECKPOINT_SECONDS`` sets other seconds. By particles,
+        states are those at recorded times.
 
     Returns
     -------
@@ -96,7 +110,13 @@ def simulate(
     Raises
     ------
     ValueError
-        For a bad scene, solver or time, before any work starts.
+        For a bad scene, solver or time, before any work starts; and where ``checkpoint`` is a file of another
+        kind, or of a run with another scene, solver, time, code, or version of a library.
+
+    Warns
+    -----
+    NotTrustedWarning
+        If the run is marginal or untrusted, with the remedy.
 
     Notes
     -----
@@ -104,13 +124,56 @@ def simulate(
     and are refused.
     """
     settings = TimeSettings(t_final, dt, time_rtol, times, frame, scheme, conserve, save_every)
+    ds = advance(scene, solver, settings, progress, checkpoint)
+    if checkpoint is not None:
+        Path(checkpoint).unlink(missing_ok=True)
+    warn_of_trust(ds)
+    return ds
+
+
+def advance(
+    scene: Scene,
+    solver: Solver,
+    settings: TimeSettings,
+    progress: Progress = None,
+    checkpoint: str | os.PathLike[str] | None = None,
+) -> xr.Dataset:
+    """`simulate` with settings of time that are checked, and without its warning; a checkpoint stays."""
     check_frame(scene, solver, settings)
+    check_outputs(settings)
     if not solver.traits.by_particles:
-        return evolve(scene, concrete(scene, solver), settings, progress)
-    ds = simulate_particles(scene, solver, settings.recorded, save_every, progress)
+        choice = concrete(scene, solver)
+        kept = _checkpoint(scene, choice.solver, settings, checkpoint, maker(choice.solver))
+        return evolve(scene, choice, settings, progress, kept)
+    check_particles(scene, solver.sized())
+    kept = _checkpoint(scene, solver, settings, checkpoint)
+    ds = simulate_particles(scene, solver, settings.recorded, settings.save_every, progress, kept)
     if settings.dt is None:
         return ds
     return ds.assign_coords(dt=((), settings.dt, parameter("dt").attributes))
+
+
+def _checkpoint(
+    scene: Scene,
+    solver: Solver,
+    settings: TimeSettings,
+    path: str | os.PathLike[str] | None,
+    *makers: Callable[..., object],
+) -> Checkpoint | None:
+    """The checkpoint in a file, for a run with a chosen solver and the makers of its parts."""
+    if path is None:
+        return None
+    if not isinstance(path, str | os.PathLike) or not os.fspath(path):
+        raise ValueError(f"checkpoint={path!r}: must be the path of a file, or None")
+    modules = [function.__module__ for function in (computed_by(solver), *makers)]
+    identity = {
+        "scene": scene.identity(),
+        "solver": solver.describe(),
+        "time": settings.describe(),
+        "code": fingerprint(modules),
+        "versions": versions(),
+    }
+    return Checkpoint(Path(path), identity)
 
 
 def computed_by(solver: Solver) -> Callable[..., xr.Dataset]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from granstudy.support.checks import is_real, plain
+from granstudy.support.checks import answer, is_real, plain
 
 Restitution = float | Callable[[np.ndarray], np.ndarray]
 """A constant 0 ≤ e ≤ 1, or a function of the normal impact speed |g·ω| (the paper's Remark 2)."""
@@ -69,6 +69,23 @@ class ScaledRestitution:
         return self.restitution(self.scale * np.asarray(impact_speed))
 
 
+def restitution_at(law: Callable[[np.ndarray], np.ndarray], speeds: np.ndarray) -> np.ndarray:
+    """A law at normal impact speeds, an array of their shape.
+
+    Raises
+    ------
+    ValueError
+        If the law fails there, or returns anything but real numbers of that shape.
+    """
+    values = answer(f"restitution={law!r}", law, speeds)
+    if values.shape != np.shape(speeds):
+        raise ValueError(
+            f"restitution={law!r}: must return an array of the shape it is given, got {values.shape} for "
+            f"{np.shape(speeds)}"
+        )
+    return values
+
+
 def check_restitution(restitution: Restitution, largest_speed: float = 1.0) -> None:
     """Raise ValueError unless ``restitution`` lies in [0, 1].
 
@@ -80,12 +97,7 @@ def check_restitution(restitution: Restitution, largest_speed: float = 1.0) -> N
     """
     if callable(restitution):
         speeds = np.linspace(0.0, largest_speed, 257)
-        values = np.asarray(restitution(speeds), dtype=float)
-        if values.shape != speeds.shape:
-            raise ValueError(
-                f"restitution={restitution!r}: must return an array of the shape it is given, "
-                f"got {values.shape} for {speeds.shape}"
-            )
+        values = restitution_at(restitution, speeds)
         if not np.all((values >= 0.0) & (values <= 1.0)):
             worst = speeds[np.argmax(np.abs(np.nan_to_num(values, nan=np.inf) - 0.5))]
             raise ValueError(

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, ClassVar
 
+import numpy as np
+
 from granstudy.model.methods import (
     METHODS,
     ONLY_SOME,
@@ -171,6 +173,8 @@ class Solver:
         """Keep numbers of NumPy as numbers of Python, R and rtol as floats, a pair of nodes as a tuple."""
         for name, _ in _defaults():
             given = getattr(self, name)
+            if isinstance(given, np.ndarray):
+                raise ValueError(f"{name}={given!r}: must be one value, not an array")
             value = plain(given)
             if name in REAL and is_real(value):
                 value = float(value)
@@ -240,9 +244,10 @@ class Solver:
 
     def _check_particles(self) -> None:
         """Raise ValueError for bad numbers of particles or batches, or a bad seed."""
+        if self.particles is None:
+            raise ValueError(f"particles=None: method {self.method!r} needs them; give a number")
         check_count("particles", self.particles)
         check_count("batches", self.batches)
-        assert self.particles is not None
         if self.batches < 2:
             raise ValueError(f"batches={self.batches!r}: must be at least 2, for standard errors")
         if self.particles % self.batches or self.particles < LEAST_PARTICLES * self.batches:

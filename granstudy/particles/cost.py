@@ -12,6 +12,8 @@ from granstudy.model.kernel import VHS
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver, Solver
 from granstudy.particles.batch import COLLISIONS_A_STEP, HEATING_SPLIT
+from granstudy.support.checks import LARGEST
+from granstudy.support.machine import check_memory
 from granstudy.theory import gaussian_cooling_coefficient
 from granstudy.velocity.sphere import sphere_area
 
@@ -73,11 +75,25 @@ def particle_cost(
     seconds = collisions * _seconds_per_collision(scene.kernel, n // solver.batches)
     seconds += n * expected.heating_steps * SECONDS_PER_KICK
     seconds += records * (n * SECONDS_PER_RECORD + solver.batches * SECONDS_PER_CALL)
-    points = (solver.N + 1) ** scene.dim
-    # On each thread a batch and the velocities that it was drawn from; and the majorants of all cells.
-    numbers = 20 * n / solver.batches * min(solver.thread_count, solver.batches) + 20 * points
-    memory = INTERPRETER_MB + math.ceil(8 * numbers / 2**20)
+    memory = INTERPRETER_MB + math.ceil(particle_bytes(scene, solver) / 2**20)
     return Cost(SETUP_SECONDS + n * SECONDS_PER_DRAW, seconds, 1, memory), collisions
+
+
+def particle_bytes(scene: Scene, solver: SizedSolver) -> float:
+    """Bytes of a run: on each thread a batch and what it was drawn from; and the majorants of all cells."""
+    assert solver.particles is not None
+    at_once = min(solver.thread_count, solver.batches)
+    points = (solver.N + 1) ** scene.dim
+    return 160.0 * min(solver.particles * at_once // solver.batches + points, LARGEST)
+
+
+def check_particles(scene: Scene, solver: SizedSolver) -> None:
+    """Raise ValueError, before anything is allocated, for more particles or cells than memory can hold."""
+    check_memory(
+        f"particles={solver.particles}, batches={solver.batches}, N={solver.N}",
+        particle_bytes(scene, solver),
+        "take fewer particles, more batches, or a smaller N",
+    )
 
 
 def expect(scene: Scene, solver: Solver, t_final: float) -> Expected:

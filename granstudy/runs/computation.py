@@ -10,6 +10,7 @@ from typing import Any
 from granstudy.evolution.times import TimeSettings
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
+from granstudy.support.checks import check_positive, is_real
 
 
 @dataclass(frozen=True)
@@ -42,11 +43,14 @@ class Refinement:
         if self.over not in ("N", "R"):
             raise ValueError(f"refine: {self.over!r}: must be N or R")
         steps = list(self.values)
-        if len(steps) < 2 or any(b <= a for a, b in itertools.pairwise(steps)):
+        if (
+            len(steps) < 2
+            or not all(map(is_real, steps))
+            or any(b <= a for a, b in itertools.pairwise(steps))
+        ):
             raise ValueError(f"refine.{self.over}={steps}: must be two or more increasing values")
         for name in ("temperature", "a2"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"refine.{name}={getattr(self, name)!r}: must be positive")
+            check_positive(f"refine.{name}", getattr(self, name))
 
     def describe(self) -> dict[str, Any]:
         """The refinement as plain data."""

@@ -62,7 +62,7 @@ def expected_evaluations(computation: Computation) -> int:
 
 @lru_cache(maxsize=MANY)
 def estimate_run(computation: Computation) -> Estimate:
-    """Estimate a run from its parameters alone; a run with a refinement goes up its whole ladder.
+    """Estimate a run from its parameters alone; with a refinement, or with parts, the sum of its runs.
 
     Raises
     ------
@@ -71,6 +71,9 @@ def estimate_run(computation: Computation) -> Estimate:
     """
     if computation.refinement is not None:
         return _sum([estimate_run(rung) for rung in ladder(computation)])
+    if parts := KINDS[computation.kind].parts(computation):
+        whole = _sum([estimate_run(part) for part in parts])
+        return replace(whole, choice=chosen(computation))
     choice, evaluations = chosen(computation), expected_evaluations(computation)
     return Estimate(choice, evaluations, _cost(computation, choice, evaluations))
 

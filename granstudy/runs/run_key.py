@@ -1,6 +1,7 @@
 """The key of a run: a hash over all that its numbers depend on, parameters and code."""
 
 import hashlib
+import itertools
 from collections.abc import Iterable, Sequence
 
 from granstudy.collision.choice.cheapest import choose_method
@@ -38,7 +39,10 @@ def rung_keys(computations: Iterable[Computation]) -> list[str]:
 def code_of_run(computation: Computation) -> tuple[str, ...]:
     """Modules that a run uses (`code_modules`)."""
     modules = code_modules(computation.kind, chosen(computation))
-    return modules if computation.refinement is None else (*modules, refined.__module__)
+    if computation.refinement is not None:
+        modules = (*modules, refined.__module__)
+    parts = [code_of_run(part) for part in KINDS[computation.kind].parts(computation)]
+    return tuple(dict.fromkeys(itertools.chain(modules, *parts)))
 
 
 def code_modules(kind: str, choice: Choice) -> tuple[str, ...]:

@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from granstudy.collision import collision_operator, concrete
+from granstudy.collision.protocol import wisdom_attributes
 from granstudy.datasets.run_dataset import Header
 from granstudy.evolution.unknowns import representation
 from granstudy.model.densities import Maxwellian
@@ -12,6 +13,7 @@ from granstudy.model.solver import SizedSolver, Solver
 from granstudy.states.dataset import state_dataset
 from granstudy.states.equation import SteadyEquation, gas_of
 from granstudy.states.newton import DENSE, Solution, newton
+from granstudy.support.checks import check_count, is_real
 from granstudy.support.progress import Progress, watched
 from granstudy.trust.changes import change_of_moments
 from granstudy.trust.error_estimate import a2_relaxation, imbalance
@@ -145,9 +147,9 @@ def _state(
     """Solve for the heated, or the cooling state."""
     check_state(scene, solver, heated)
     _check_settings(tolerance, max_iterations)
+    choice = concrete(gaussian_scene(scene), solver)
     gas = gas_of(scene, solver)
     gaussian = gaussian_scene(scene, gas.temperature)
-    choice = concrete(gaussian, solver)
     operator = collision_operator(gaussian, choice.solver)
     grid = operator.grid
     equation = SteadyEquation(
@@ -163,7 +165,8 @@ def _state(
         found = newton(equation, start, tolerance, max_iterations, report)
     examined = _health(gaussian, equation, found, heated)
     header = Header.of("heated state" if heated else "cooling state", scene, choice)
-    return state_dataset(header, gas, equation, found, examined, heated)
+    ds = state_dataset(header, gas, equation, found, examined, heated)
+    return ds.assign_attrs(wisdom_attributes(operator))
 
 
 def _check_solver(solver: Solver) -> None:
@@ -185,10 +188,9 @@ def _check_solver(solver: Solver) -> None:
 
 def _check_settings(tolerance: object, max_iterations: object) -> None:
     """Raise ValueError for a bad tolerance or number of steps."""
-    if not isinstance(tolerance, (int, float)) or not 0.0 < tolerance < 1.0:
+    if not is_real(tolerance) or not 0.0 < tolerance < 1.0:
         raise ValueError(f"tolerance={tolerance!r}: must be a number between 0 and 1")
-    if not isinstance(max_iterations, int) or max_iterations < 1:
-        raise ValueError(f"max_iterations={max_iterations!r}: must be a positive integer")
+    check_count("max_iterations", max_iterations)
 
 
 def _health(

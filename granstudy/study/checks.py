@@ -27,6 +27,8 @@ def check_computation(computation: Computation) -> None:
         for rung in ladder(computation):
             check_computation(rung)
         return
+    for part in KINDS[computation.kind].parts(computation):
+        check_computation(part)
     check_size(computation)
     kind, solver = KINDS[computation.kind], computation.solver
     if solver.N is None and kind.needs_size:

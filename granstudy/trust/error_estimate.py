@@ -1,6 +1,6 @@
 """The errors of T and a2, estimated while a run goes on (docs/method.md §10)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -118,6 +118,27 @@ class Settled(NamedTuple):
     other: float
 
 
+class Memory(NamedTuple):
+    """What an examination remembers of a run beside its outputs, all that its estimates to come depend on.
+
+    ``first`` are the moments of the first output. ``clock`` is the collisions' time now, ``balanced_at`` that
+    of the last ``balance``. ``settled`` are the errors at that time by imbalance, ``stepped`` those by steps.
+    ``passed`` are the times of balances between outputs that have passed.
+    """
+
+    first: health.Moments
+    clock: float
+    balanced_at: float
+    balance: Balance | None
+    settled: Settled
+    stepped: Change
+    passed: int
+
+
+Found = Callable[[], tuple[Change, float]]
+"""Rates of T and a2 by the discrete equation, and the rate of energy that was taken from Q."""
+
+
 class Examination:
     """Examines one run, step by step: signs of health, and estimated errors of T and a2.
 
@@ -129,8 +150,8 @@ class Examination:
     scene : Scene
         The gas in the velocities of the grid at the start.
     grid : VelocitySpace
-    outputs : int
-        Number of outputs that the run will have.
+    times : ndarray
+        Times of the outputs that the run will have.
     rates : RatesAt
         Exact rates of the scene's collisions on the grid.
 
@@ -140,17 +161,39 @@ class Examination:
         What was measured at every output, by the names of `granstudy.trust.health.SIGNS`.
     """
 
-    def __init__(self, scene: Scene, grid: VelocitySpace, outputs: int, rates: RatesAt) -> None:
+    def __init__(
+        self, scene: Scene, grid: VelocitySpace, times: np.ndarray, rates: RatesAt
+    ) -> None:
         self._scene, self._grid, self._rates = scene, grid, rates
         self._true = true_start(scene, grid)
-        self._every = max(1, (outputs - 1) // BALANCES)
-        self._last = outputs - 1
+        self._every = max(1, (len(times) - 1) // BALANCES)
+        self._last = len(times) - 1
+        self._between, self._passed = between(times), 0
         self._first: health.Moments = {}
         self._clock = self._balanced_at = 0.0
         self._balance: Balance | None = None
         self._settled = Settled(0.0, 0.0, 0.0)
         self._stepped = Change(0.0, 0.0)
         self.outputs: list[dict[str, float]] = []
+
+    @property
+    def memory(self) -> Memory:
+        """What the estimates to come depend on, beside the outputs."""
+        return Memory(
+            self._first,
+            self._clock,
+            self._balanced_at,
+            self._balance,
+            self._settled,
+            self._stepped,
+            self._passed,
+        )
+
+    def resume(self, memory: Memory, outputs: Sequence[dict[str, float]]) -> None:
+        """Go on from a memory, and from the outputs until then."""
+        self._first, self._clock, self._balanced_at, self._balance = memory[:4]
+        self._settled, self._stepped, self._passed = memory[4:]
+        self.outputs[:] = outputs
 
     def step(self, clock: float, error: Change) -> None:
         """Count the error of a step that led to a time.
@@ -179,7 +222,7 @@ class Examination:
         self,
         f: np.ndarray,
         values: health.Moments,
-        found: Callable[[], tuple[Change, float]],
+        found: Found,
         *,
         restitution: Restitution,
         heating: float,
@@ -207,10 +250,7 @@ class Examination:
             off = errors_of(start, self._true)
             self._settled = Settled(off.temperature, off.a2, 0.0)
         if number % self._every == 0 or number == self._last:
-            rates, removed = found()
-            now = imbalance(self._rates(restitution), f, rates, heating)
-            removed /= self._grid.dim / 2 * values["density"] * values["temperature"]
-            self._weigh(now, removed, float(values["density"]), restitution, heating)
+            self.balance(f, values, found, restitution=restitution, heating=heating)
         grown = self._grown(self._balance)
         output = health.state_of_health(f, values, self._first, self._grid)
         output |= {
@@ -219,6 +259,26 @@ class Examination:
         }
         self.outputs.append(output)
         return health.warnings(output)
+
+    def is_due(self, time: float) -> bool:
+        """Whether a balance between outputs is due after a step that led to a time, an output or not."""
+        before, self._passed = self._passed, int(np.searchsorted(self._between, time, "right"))
+        return self._passed > before
+
+    def balance(
+        self,
+        f: np.ndarray,
+        values: health.Moments,
+        found: Found,
+        *,
+        restitution: Restitution,
+        heating: float,
+    ) -> None:
+        """Take the balance of a density, and settle the errors up to it; parameters as of `look`."""
+        rates, removed = found()
+        now = imbalance(self._rates(restitution), f, rates, heating)
+        removed /= self._grid.dim / 2 * values["density"] * values["temperature"]
+        self._weigh(now, removed, float(values["density"]), restitution, heating)
 
     def _weigh(
         self,
@@ -280,6 +340,17 @@ def settled(start: Settled, before: Balance, now: Balance, elapsed: float) -> Se
         elapsed,
     )
     return Settled(temperature, a2, other)
+
+
+def between(times: np.ndarray) -> np.ndarray:
+    """Times between outputs at which balances are due, in a run whose outputs are fewer than `BALANCES`.
+
+    Errors may grow exponentially: a few outputs do not tell how their growth went.
+    """
+    parts = int(np.ceil(BALANCES / max(1, len(times) - 1)))
+    inner = np.arange(1, parts) / parts
+    steps = np.multiply.outer(np.diff(times), inner)
+    return np.asarray((times[:-1, None] + steps).ravel())
 
 
 def a2_relaxation(restitution: Restitution, dim: int, exponent: float) -> float:

@@ -29,7 +29,7 @@ def test_no_argument_takes_the_name_of_a_variable():
         derived = ("_error", "_exact", "_estimate", "_by_batch")
         assert {name for name in own if not name.endswith(derived)} <= VARIABLES
         for name in PARAMETERS.keys() & ds.coords.keys():
-            assert ds[name].attrs == {"long_name": PARAMETERS[name].long_name, "units": "1"}
+            assert ds[name].attrs == PARAMETERS[name].attributes
 
 
 def test_own_arguments_are_coordinates(tmp_path):

@@ -6,10 +6,11 @@ from comparison import assert_order
 
 import granstudy as gs
 from granstudy import theory
-from granstudy.analysis.tables.fits import fit_haff, fit_order
+from granstudy.analysis.tables.fits import fit_order
 from granstudy.evolution.frames.fixed import FixedFrame
 from granstudy.evolution.schemes import rk3_step
 from granstudy.evolution.unknowns import collisions, representation
+from granstudy.reading.cooling import fit_haff
 
 
 def small(**overrides):
@@ -148,7 +149,7 @@ def test_hard_spheres_cool_by_haffs_law():
     )
     solver = gs.Solver(N=20, R=8.0, N_rho=12, M_sph=12)
     ds = gs.simulate(scene, solver, t_final=2.0, dt=0.1, progress=False)
-    C0 = fit_haff(ds["time"].values, ds["temperature"].values)[0]
+    C0 = fit_haff(ds["time"].values, ds["temperature"].values).C0
     assert C0 == pytest.approx(0.1906, rel=0.03)
 
 

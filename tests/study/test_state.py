@@ -151,6 +151,7 @@ def test_a_receipt_whose_runs_are_gone_is_no_reason_to_leave_the_job_out():
     Path(study.receipt(job.id)).write_text("{}")
     (again,) = prepare(study, "test.yaml", cores=1)
     assert again == job and Path(study.job_file(job.id)).is_file()
+    assert not Path(study.receipt(job.id)).exists()  # else Snakemake would take the job for done
 
 
 def test_labels_are_counted_once_a_run_and_made_anew_where_they_are_lost():

@@ -5,7 +5,7 @@ import pytest
 
 import granstudy as gs
 from granstudy.trust.changes import change_of_moments
-from granstudy.trust.error_estimate import grown
+from granstudy.trust.error_estimate import between, grown
 from granstudy.trust.flags import Trust
 from granstudy.trust.truth import errors, truth_of_dataset
 
@@ -51,6 +51,23 @@ def test_energy_that_is_conserved_does_not_silence_the_estimate_of_T(conserve):
     pairs = against(scene, ds)
     assert_estimated(pairs)
     assert pairs[0][0] > 8e-4 and Trust(int(ds["trust"])) is not Trust.TRUSTED
+
+
+def test_an_error_that_grows_between_few_outputs_is_followed():
+    """Long steps feed the tail: T was off by 3e-6, estimated at 7e-4 by balances at the outputs alone."""
+    scene = gs.load_scene("maxwellian3d", kernel=gs.hard_spheres(3), restitution=0.0, diffusion=0.0)
+    solver = gs.Solver(N=40, R=10.49, method="radial")
+    ds = run(scene, solver, 3.0, time_rtol=1e-2, times=[0.75, 1.5], frame="rescaled")
+    pairs = against(scene, ds, frame="rescaled")
+    assert_estimated(pairs)
+    assert pairs[1][0] > 1e-3
+
+
+def test_balances_are_about_twenty_however_few_the_outputs():
+    assert np.allclose(between(np.array([0.0, 2.0])), np.arange(1, 20) / 10)
+    assert len(between(np.array([0.0, 0.5, 1.0, 3.0]))) == 3 * 6
+    assert between(np.linspace(0.0, 1.0, 21)).size == 0
+    assert between(np.array([0.0])).size == 0
 
 
 def test_a_steady_run_stays_trusted():

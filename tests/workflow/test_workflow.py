@@ -39,7 +39,7 @@ EVERYTHING = {"all", "run", "complete_convergence", "dataset", "table", "figure"
 @pytest.fixture
 def project(tmp_path):
     """A copy of what a clone holds, with a tiny study."""
-    for name in ("granstudy", "workflow", "profiles"):
+    for name in ("granstudy", "profiles"):
         if not (REPOSITORY / name).is_dir():
             continue
         shutil.copytree(
@@ -193,6 +193,18 @@ def test_a_study_of_another_name_and_a_deleted_or_damaged_run(project):
     }
 
     (path,) = (project / "results/.runs").rglob(f"{key_of(project, 'N~8')}.nc")
+    (other,) = (project / "results/.runs").rglob(f"{key_of(project, 'N~10')}.nc")
+    times, table = os.stat(path), project / "results/tiny/tables/convergence.csv"
+    path.write_bytes(other.read_bytes())  # the file of another run, as old as the right one
+    os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+    right = table.read_bytes()
+    table.unlink()
+    output = snakemake(project, succeeds=False)
+    assert "1 runs were damaged, or files of other runs" in output and not table.exists()
+    snakemake(project)
+    assert table.read_bytes() == right
+    before = written(project)
+
     path.unlink()
     assert planned(project) == EVERYTHING
     snakemake(project)

@@ -12,6 +12,16 @@ from granstudy.analysis.figures.convergence import check_convergence, draw_conve
 from granstudy.analysis.figures.cooling import check_cooling, check_slope, draw_cooling, draw_slope
 from granstudy.analysis.figures.front import check_front, draw_front
 from granstudy.analysis.figures.gallery import check_gallery, draw_gallery
+from granstudy.analysis.figures.plots.kinds import (
+    check_map,
+    check_profile,
+    check_quantity_over,
+    draw_map_over,
+    draw_marginal,
+    draw_over_maxwellian,
+    draw_quantity_over,
+    draw_tail,
+)
 from granstudy.analysis.figures.speed import check_speed, draw_speed
 from granstudy.analysis.figures.states import check_states, draw_states
 from granstudy.analysis.figures.style import STYLE
@@ -54,6 +64,11 @@ FIGURES: dict[str, Drawer] = {
     "slope": Drawer(draw_slope, check_slope),
     "states": Drawer(draw_states, check_states, takes=("beside",)),
     "gallery": Drawer(draw_gallery, check_gallery),
+    "quantity": Drawer(draw_quantity_over, check_quantity_over, takes=("x", "quantity")),
+    "map": Drawer(draw_map_over, check_map, takes=("x", "y", "quantity")),
+    "over_maxwellian": Drawer(draw_over_maxwellian, check_profile),
+    "tail": Drawer(draw_tail, check_profile),
+    "marginal": Drawer(draw_marginal, check_profile),
 }
 """The kinds of figures that a study file can ask for, as ``figure: {kind: ...}``."""
 
@@ -64,7 +79,8 @@ def check_figure(source: FigureSource) -> None:
     if asked.kind not in FIGURES:
         raise ValueError(f"figure.kind: {unknown_name('kind', asked.kind, list(FIGURES))}")
     drawer = FIGURES[asked.kind]
-    for field, value in (("x", asked.x), ("beside", asked.beside)):
+    for field in ("x", "y", "quantity", "beside"):
+        value = getattr(asked, field)
         if value and field not in drawer.takes:
             able = ", ".join(name for name, each in FIGURES.items() if field in each.takes)
             raise ValueError(f"figure.{field}={value!r}: only {able} take it, not {asked.kind}")

@@ -114,6 +114,11 @@ class NodalOperator:
         """Pickled is what the operator is made from: the gain with its nodes, the group, the loss."""
         return type(self), (self.grid, self.gain, self.group, self._loss.real)
 
+    @property
+    def fftw_wisdom(self) -> str:
+        """Hash of the wisdom that FFTW planned with; "" where it had none."""
+        return self._single.wisdom
+
     def _spectrum(self, f: np.ndarray) -> np.ndarray:
         """f̂ with Σ_k f̂_k e^{iπk·v/L} = f."""
         self._single.density[...] = f
