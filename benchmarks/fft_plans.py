@@ -1,7 +1,7 @@
 """What FFTW's plans are worth: transforms and evaluations of Q with ESTIMATE's plans and with kept wisdom.
 
-`granstudy tune`, then `python benchmarks/fft_plans.py` writes results/checks/fft_plans.csv. All that a row
-compares is timed in turn in one process. Times are medians of the CPU time of all threads, so that other
+`granstudy tune`, then `python benchmarks/fft_plans.py` writes docs/results/checks/fft_plans.csv. All that a
+row compares is timed in turn in one process. Times are medians of the CPU time of all threads, so that other
 processes on the machine count little; `--wall` takes the time of the clock.
 
 =============  ==========================================================================================
@@ -36,7 +36,7 @@ from granstudy.collision.fourier.transforms import REAL, aligned_zeros
 from granstudy.collision.fourier.tuning import pair_seconds
 from granstudy.support.files import write_text
 
-TABLE = Path(__file__).parents[1] / "results" / "checks" / "fft_plans.csv"
+TABLE = Path(__file__).parents[1] / "docs" / "results" / "checks" / "fft_plans.csv"
 
 HEADER = "what N rtol n transforms estimate_us wisdom_us gain bare_us overhead over_literal"
 

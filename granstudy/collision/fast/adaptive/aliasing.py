@@ -25,8 +25,8 @@ SIZES = (8, 10, 12, 14, 16, 20, 24, 32, 36, 40, 48, 64, 72, 80, 96, 128)
 """Points per dimension of the grids on which products may be formed.
 
 A size is left out where the next larger one takes about as little time with the plans of `granstudy tune`
-(results/checks/fft_plans.csv): 18, 22, 26 to 30, 42, 44, 50 to 60. Without such plans the sizes are the same:
-what a run chooses does not depend on them."""
+(docs/results/checks/fft_plans.csv): 18, 22, 26 to 30, 42, 44, 50 to 60. Without such plans the
+sizes are the same: what a run chooses does not depend on them."""
 
 
 class Aliasing(NamedTuple):
