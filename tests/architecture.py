@@ -20,6 +20,7 @@ FLOORS = (
     ("analysis",),
     ("study",),
     ("runs",),
+    ("accuracy",),
     ("states", "reading"),
     ("evolution",),
     ("particles",),

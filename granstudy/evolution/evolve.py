@@ -178,8 +178,8 @@ class _Observer:
         """
         try:
             self._see(point)
-        except RAN_AWAY:
-            raise StoppedError(point.step, point.time, health.NOT_FINITE) from None
+        except RAN_AWAY as error:
+            raise StoppedError(point.step, point.time, health.ran_away(error)) from None
 
     def _see(self, point: Point) -> None:
         frame, state = self._run.frame, point.state

@@ -58,6 +58,8 @@ class Point(NamedTuple):
         Whether the state is an output.
     error : ndarray or None
         Estimated error of the step, a change of the state; None at the start.
+    rate : ndarray or None
+        Rate of change at the state, where the scheme has it; else None.
     """
 
     step: int
@@ -65,6 +67,7 @@ class Point(NamedTuple):
     state: np.ndarray
     is_output: bool
     error: np.ndarray | None = None
+    rate: np.ndarray | None = None
 
 
 class Position(NamedTuple):
@@ -140,8 +143,8 @@ class FixedSteps:
                 made = self._scheme.step(self._equation, state, self._dt, first)
                 size = self._equation.relative_size(made.error, state)
                 error, state = self._scheme.error(size) * made.error, made.state
-            except RAN_AWAY:
-                raise StoppedError(step, step * self._dt, health.NOT_FINITE) from None
+            except RAN_AWAY as away:
+                raise StoppedError(step, step * self._dt, health.ran_away(away)) from None
             self.position = Position(step, step * self._dt, state)
             yield Point(step, step * self._dt, state, True, error)
 
@@ -151,6 +154,8 @@ class FixedSteps:
 
 class AdaptiveSteps:
     """Steps whose estimated relative error is at most ``rtol``; they hit the ``times`` of outputs.
+
+    The first of the times is that of the first state.
 
     Attributes
     ----------
@@ -176,15 +181,15 @@ class AdaptiveSteps:
         self._at: tuple[float, np.ndarray, float | None]
 
     def march(self, state: np.ndarray) -> Iterator[Point]:
-        """Every state, from the first one at t = 0 on.
+        """Every state, from the first one on.
 
         Raises
         ------
         StoppedError
             If no step is small enough.
         """
-        self._at = 0.0, state, None
-        yield Point(0, 0.0, state, True)
+        self._at = float(self._times[0]), state, None
+        yield Point(0, self._at[0], state, True)
         yield from self.resume(self.position)
 
     @property
@@ -222,7 +227,8 @@ class AdaptiveSteps:
                 self.accepted += 1
                 self._first = made.last
                 self._at = t, state, h
-                yield Point(self.accepted, t, state, hit, self._scheme.error(size) * made.error)
+                made_error = self._scheme.error(size) * made.error
+                yield Point(self.accepted, t, state, hit, made_error, made.last)
 
     def equation_changed(self) -> None:
         """Note that rates have changed: the first rate of the next step is computed anew."""
@@ -264,4 +270,4 @@ class AdaptiveSteps:
         self._first = self._scheme.first(self._equation, state)
         self.evaluations += 1
         change = self._equation.relative_size(self._first, state)
-        return FIRST_CHANGE / max(change, FIRST_CHANGE / self._times[1])
+        return FIRST_CHANGE / max(change, FIRST_CHANGE / (self._times[1] - self._times[0]))

@@ -9,11 +9,8 @@ import xarray as xr
 from granstudy.evolution.frames.physical import physical_moments
 from granstudy.reading.kept import Kept
 from granstudy.velocity.cartesian import VelocityGrid
-from granstudy.velocity.moments import COMPONENTS, MOMENTS, Quantity, moment_values
+from granstudy.velocity.moments import A3, COMPONENTS, MOMENTS, Quantity, moment_values
 from granstudy.velocity.space import VelocitySpace
-
-A3 = Quantity("sixth-order Sonine coefficient a3 = 1 + 3a2 − ⟨|v−u|⁶⟩/(d(d+2)(d+4)T³)")
-"""The coefficient that runs do not record, as of states."""
 
 
 def density_moments(kept: Kept) -> xr.Dataset:
@@ -38,7 +35,7 @@ def density_moments(kept: Kept) -> xr.Dataset:
     components = list(COMPONENTS[:d])
     found = xr.Dataset(
         {
-            name: value.assign_attrs(long_name=quantity.long_name, units="1")
+            name: value.assign_attrs(quantity.labelled(0.0)[2])
             for (name, quantity), value in zip(quantities.items(), values, strict=True)
         }
     )

@@ -288,23 +288,10 @@ class Examination:
         restitution: Restitution,
         heating: float,
     ) -> None:
-        """Take the rates of a balance, and settle what errors have grown to since the balance before.
-
-        A mass other than the gas's makes all collisions faster or slower by the same factor. A Q whose energy
-        had to be changed is wrong elsewhere as well: its relative rate of energy, ``removed``, is taken as
-        that of an error of the shape.
-        """
-        exponent, dim = self._scene.kernel.exponent, self._grid.dim
+        """Take the rates of a balance, and settle what errors have grown to since the balance before."""
         mass_error = abs(density / self._true.density - 1.0)
-        balance = Balance(
-            temperature=abs(now.temperature) + mass_error * abs(now.cooling),
-            a2=abs(now.a2) + mass_error * abs(now.shaping),
-            other=abs(removed),
-            shape=abs(now.cooling) * (theory.cooling_correction(exponent, 1.0) - 1.0),
-            cooling=abs(now.cooling) * exponent / 2,
-            forgetting=heating - exponent / 2 * now.cooling,
-            relaxing=2 * heating + a2_relaxation(restitution, dim, exponent) * now.frequency,
-        )
+        exponent, dim = self._scene.kernel.exponent, self._grid.dim
+        balance = balance_of(now, removed, mass_error, restitution, dim, exponent, heating)
         self._settled = self._grown(balance)
         self._balance, self._balanced_at = balance, self._clock
 
@@ -312,19 +299,47 @@ class Examination:
         """Errors by imbalance at the present time, with rates that go evenly to those of ``now``."""
         if now is None:
             return self._settled
-        before = self._balance or now
-        elapsed = self._clock - self._balanced_at
-        start = self._settled
-        a2 = grown(start.a2, before.a2, now.a2, now.relaxing, elapsed)
-        other = grown(start.other, before.other, now.other, now.relaxing, elapsed)
-        temperature = grown(
-            start.temperature,
-            before.temperature_growth(start.a2, start.other),
-            now.temperature_growth(a2, other),
-            now.forgetting,
-            elapsed,
-        )
-        return Settled(temperature, a2, other)
+        return settled(self._settled, self._balance or now, now, self._clock - self._balanced_at)
+
+
+def balance_of(
+    now: Imbalance,
+    removed: float,
+    mass_error: float,
+    restitution: Restitution,
+    dim: int,
+    exponent: float,
+    heating: float,
+) -> Balance:
+    """Rates at which errors grow and are forgotten, from the imbalance of one density.
+
+    A mass other than the gas's makes all collisions faster or slower by the same factor. A Q whose energy had
+    to be changed is wrong elsewhere as well: its relative rate of energy, ``removed``, is taken as that of an
+    error of the shape.
+    """
+    return Balance(
+        temperature=abs(now.temperature) + mass_error * abs(now.cooling),
+        a2=abs(now.a2) + mass_error * abs(now.shaping),
+        other=abs(removed),
+        shape=abs(now.cooling) * (theory.cooling_correction(exponent, 1.0) - 1.0),
+        cooling=abs(now.cooling) * exponent / 2,
+        forgetting=heating - exponent / 2 * now.cooling,
+        relaxing=2 * heating + a2_relaxation(restitution, dim, exponent) * now.frequency,
+    )
+
+
+def settled(start: Settled, before: Balance, now: Balance, elapsed: float) -> Settled:
+    """Errors by imbalance after a time, with rates that go evenly from those of one balance to another's."""
+    a2 = grown(start.a2, before.a2, now.a2, now.relaxing, elapsed)
+    other = grown(start.other, before.other, now.other, now.relaxing, elapsed)
+    temperature = grown(
+        start.temperature,
+        before.temperature_growth(start.a2, start.other),
+        now.temperature_growth(a2, other),
+        now.forgetting,
+        elapsed,
+    )
+    return Settled(temperature, a2, other)
 
 
 def between(times: np.ndarray) -> np.ndarray:

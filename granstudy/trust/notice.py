@@ -12,6 +12,10 @@ NAMED = 3
 """Runs that a warning names."""
 
 
+NO_NAMES = ("run_key",)
+"""Coordinates that tell a run apart for machines alone."""
+
+
 class NotTrustedWarning(UserWarning):
     """Temperature and kurtosis of a run may be off by more than a study wants (`granstudy.trust.health`)."""
 
@@ -63,7 +67,7 @@ def _named(ds: xr.Dataset, place: dict[Hashable, int]) -> str:
     names = [str(dim) for dim in place if dim in ds.coords] or [
         str(name)
         for name, c in ds.coords.items()
-        if c.dims == tuple(place) and np.unique(c.values).size > 1
+        if c.dims == tuple(place) and name not in NO_NAMES and np.unique(c.values).size > 1
     ]
     where = ", ".join(f"{name}={one[name].values}" for name in names)
     reasons = str(ds["trust_reasons"].isel(place).values) if "trust_reasons" in ds else ""

@@ -12,7 +12,7 @@ from granstudy.analysis.columns import symbol
 from granstudy.analysis.figures.lines import distinguishing, label, lines, looks, mark_values
 from granstudy.analysis.figures.plots.marks import line_opacity, mark, trust_handles
 from granstudy.analysis.figures.plots.scales import number_scale, set_scale
-from granstudy.analysis.figures.style import PANEL_HEIGHT, PAPER, PAPER_LOOK, WIDTH
+from granstudy.analysis.figures.style import PANEL_HEIGHT, PAPER, PAPER_LOOK, WIDTH, Picture
 from granstudy.analysis.groups import check_numbers, check_swept, groups, keys
 from granstudy.analysis.source import FigureSource
 from granstudy.trust.flags import Trust
@@ -58,7 +58,7 @@ def draw_convergence(source: FigureSource) -> Figure:
     columns, rows = _panels(table, across), _panels(table, down)
     width = WIDTH if len(columns) > 1 else 0.75 * WIDTH
     size = (width, PANEL_HEIGHT * (1.0 if len(rows) == 1 else 0.85) * len(rows) + 0.9)
-    figure = Figure(figsize=size, layout="constrained")
+    figure = Picture(figsize=size, layout="constrained")
     axes = figure.subplots(len(rows), len(columns), sharex=True, sharey=True, squeeze=False)
     styles = looks([line for line, _ in lines(table, names)])
     values = [table[table.attrs["quantity"]].values]
@@ -82,7 +82,7 @@ def draw_convergence(source: FigureSource) -> Figure:
         mark_values(ax, x, np.unique(table[x]).tolist())
     _label_outer(axes, x, table.attrs["quantity"])
     handles = [
-        Line2D([], [], label=label(line) or str(table["method"].values.flat[0]), **style)
+        Line2D([], [], label=label(line, names) or str(table["method"].values.flat[0]), **style)
         for line, style in styles.items()
     ]
     if _paper_is_drawn(table):

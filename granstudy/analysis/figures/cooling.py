@@ -18,7 +18,7 @@ from granstudy.analysis.figures.plots.marks import line_opacity, mark, trust_han
 from granstudy.analysis.figures.plots.quantity import draw_series, value_labels
 from granstudy.analysis.figures.plots.scales import check_scale, time_scale
 from granstudy.analysis.figures.plots.series import Series, series_of
-from granstudy.analysis.figures.style import PANEL_HEIGHT, STYLE, WIDTH
+from granstudy.analysis.figures.style import PANEL_HEIGHT, STYLE, WIDTH, Picture
 from granstudy.analysis.source import FigureSource
 from granstudy.reading.cooling import local_slope, time_axis
 from granstudy.theory import haff_temperature
@@ -94,7 +94,7 @@ def cooling_figure(
     exponent = runs["exponent"].reset_coords(drop=True) if fitted else xr.DataArray(1.0)
     powers = [float(_at(exponent, one.key)) / 2 for one in series]
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 0.9), layout="constrained")
+        figure = Picture(figsize=(WIDTH, PANEL_HEIGHT + 0.9), layout="constrained")
         left, right = figure.subplots(1, 2)
         looks = looks_of(series, value_labels(T))
         for one, look, power in zip(series, looks.lines, powers, strict=True):
@@ -110,6 +110,11 @@ def cooling_figure(
                 law = {"color": look["color"], "alpha": line_opacity(trust), **FIT}
                 left.plot(t, haff_temperature(t, its_T[0], constant, 2 * power), **law)
                 right.plot(t[sampled], constant * t[sampled], **law)
+        if len(looks.handles) == len(series):
+            for handle, one in zip(looks.handles, series, strict=True):
+                constant = float(_at(C0, one.key))
+                if np.isfinite(constant):
+                    handle.set_label(f"{handle.get_label()}, {symbol('C0')} = {constant:.4g}")
         chosen = scale or time_scale([one.x for one in series])
         left.set(xlabel="$t$", ylabel=symbol("temperature"))
         if chosen == "log":
@@ -144,7 +149,7 @@ def slope_figure(runs: xr.Dataset, *, title: str | None = None) -> Figure:
     exponent = runs["exponent"].reset_coords(drop=True)
     laws = [-2.0 / float(_at(exponent, one.key)) for one in series]
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 0.9), layout="constrained")
+        figure = Picture(figsize=(WIDTH, PANEL_HEIGHT + 0.9), layout="constrained")
         left, right = figure.subplots(1, 2)
         looks = looks_of(series, value_labels(T))
         draw_series(left, series, looks)

@@ -11,7 +11,13 @@ from matplotlib.lines import Line2D
 
 from granstudy.analysis.columns import symbol
 from granstudy.analysis.figures.plots.marks import mark, trust_handles
-from granstudy.analysis.figures.style import PANEL_HEIGHT, WIDTH, FamilyStyle, family_styles
+from granstudy.analysis.figures.style import (
+    PANEL_HEIGHT,
+    WIDTH,
+    FamilyStyle,
+    Picture,
+    family_styles,
+)
 from granstudy.analysis.labels import families
 from granstudy.analysis.source import FigureSource
 from granstudy.study.benchmark.front import fastest_within, on_front
@@ -80,7 +86,7 @@ def benchmark_front(tables: Sequence[xr.Dataset]) -> Figure:
     columns = min(COLUMNS, len(tables))
     rows = -(-len(tables) // columns)
     size = (WIDTH * (1.0 if columns > 1 else 0.75), PANEL_HEIGHT * rows + 1.1)
-    figure = Figure(figsize=size, layout="constrained")
+    figure = Picture(figsize=size, layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False)
     parts = [table.isel(run=_timed_on_all_threads(table)) for table in tables]
     styles = family_styles(name for part in parts for name in families(part))
@@ -115,7 +121,7 @@ def run_front(table: xr.Dataset) -> Figure:
     """
     _check_seconds(table)
     table = table.isel(run=np.flatnonzero(table["status"] == Status.OK))
-    figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 0.9), layout="constrained")
+    figure = Picture(figsize=(WIDTH, PANEL_HEIGHT + 0.9), layout="constrained")
     axes = figure.subplots(1, 2, sharey=True)
     styles = family_styles(families(table))
     for ax, measure in zip(axes, RUN_ERRORS, strict=True):

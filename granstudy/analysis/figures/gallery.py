@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from granstudy.analysis.columns import symbol
 from granstudy.analysis.figures.plots.marks import line_opacity
-from granstudy.analysis.figures.style import COLOURS, PANEL_HEIGHT, WIDTH
+from granstudy.analysis.figures.style import COLOURS, PANEL_HEIGHT, WIDTH, Picture
 from granstudy.analysis.groups import keys
 from granstudy.analysis.labels import run_text, telling_apart
 from granstudy.analysis.source import FigureSource
@@ -39,7 +39,7 @@ def check_gallery(source: FigureSource) -> None:
 
 def draw_gallery(source: FigureSource) -> Figure:
     """Draw the runs of an experiment beside their truth, which is black."""
-    figure = Figure(figsize=(1.3 * WIDTH, PANEL_HEIGHT + 1.2), layout="constrained")
+    figure = Picture(figsize=(1.3 * WIDTH, PANEL_HEIGHT + 1.2), layout="constrained")
     panels = figure.subplots(1, 3)
     rows, files, names = source.rows, source.by_path, telling_apart(source.table)
     truths: dict[str, Truth] = {}

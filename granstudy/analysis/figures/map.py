@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from granstudy.analysis.figures.style import STYLE
+from granstudy.analysis.figures.style import STYLE, Picture
 from granstudy.analysis.groups import groups, keys
 from granstudy.analysis.tables.map import rule_line
 from granstudy.trust.flags import flag_word
@@ -44,7 +44,7 @@ def draw_map(table: xr.Dataset) -> Figure:
     tops = np.cumsum([0, *heights])
     with mpl.rc_context(STYLE):
         size = (2.3 + CELL_WIDTH * len(columns), 1.5 + LINE_HEIGHT * tops[-1])
-        figure = Figure(figsize=size, layout="constrained")
+        figure = Picture(figsize=size, layout="constrained")
         ax = figure.subplots()
         for (case, column), members in cells.items():
             row = cases.index(case)

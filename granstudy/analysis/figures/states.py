@@ -11,12 +11,13 @@ from matplotlib.figure import Figure
 
 from granstudy.analysis.columns import symbol
 from granstudy.analysis.figures.lines import check_one_exponent
-from granstudy.analysis.figures.plots.marks import mark, trust_handles
+from granstudy.analysis.figures.plots.marks import line_opacity, mark, trust_handles
 from granstudy.analysis.figures.style import (
     COLOURS,
     MARKERS,
     PANEL_HEIGHT,
     WIDTH,
+    Picture,
     family_styles,
 )
 from granstudy.analysis.groups import Key, groups, keys
@@ -52,7 +53,7 @@ def draw_states(source: FigureSource) -> Figure:
     compared = any("a2_error" in table or _beside(table) for table in tables)
     ratios = [3, 2] if compared else [3]
     height = 0.35 * sum(ratios) * PANEL_HEIGHT + 0.9
-    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    figure = Picture(figsize=(WIDTH, height), layout="constrained")
     axes = figure.subplots(
         len(ratios), len(tables), squeeze=False, sharex="col", height_ratios=ratios
     )
@@ -122,8 +123,8 @@ def _states(ax: Axes, part: xr.Dataset, name: str, look: dict[str, Any]) -> None
     """Draw a line through the states, with markers that tell their labels."""
     part = part.sortby("e")
     e, y, trust = part["e"].values, part[name].values, part["trust"].values
-    line = {key: value for key, value in look.items() if key != "marker"}
-    ax.plot(e, y, zorder=2, **line)
+    # The legend shows the marker that `mark` puts on the points.
+    ax.plot(e, y, markersize=4.5, markevery=[], alpha=line_opacity(trust), zorder=2, **look)
     mark(ax, e, y, trust, {"markersize": 4.5, "zorder": 3} | look)
 
 

@@ -1,9 +1,12 @@
 """Look of figures: colours, markers, labels, sizes."""
 
+import io
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import cycle
 from typing import Any
+
+from matplotlib.figure import Figure
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Okabe & Ito, "Color Universal Design" (2008): told apart by colour-blind readers."""
@@ -52,6 +55,15 @@ def family_styles(names: Iterable[str]) -> dict[str, FamilyStyle]:
         name: FamilyStyle(colours[name], MARKERS[places[name] % len(MARKERS)], places[name])
         for name in sorted(shown, key=places.__getitem__)
     }
+
+
+class Picture(Figure):
+    """A figure that notebooks show without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        target = io.BytesIO()
+        self.savefig(target, format="png", dpi=100)
+        return target.getvalue()
 
 
 PAPER = "Hu & Ma (2019)"

@@ -165,7 +165,10 @@ def _legend(table: xr.Dataset) -> list[str]:
     """Explain the quantity, list the fastest runs and the failures, and name fixed parameters."""
     quantity = table.attrs["quantity"]
     legend = column(quantity, _beside(table)).legend
-    meaning = legend or table[quantity].attrs.get("long_name", quantity)
+    own = table[quantity].attrs
+    meaning = legend or ", ".join(
+        text for text in (own.get("long_name", quantity), own.get("definition")) if text
+    )
     lines = [f"{quantity}: {meaning}."]
     if "paper" in table:
         lines[0] += " An empty cell under paper: the paper prints no number there."

@@ -60,16 +60,21 @@ def quantity_over(runs: xr.Dataset, quantity: str | xr.DataArray, x: str) -> xr.
     """
     if isinstance(quantity, xr.DataArray):
         return quantity
-    if quantity not in runs:
-        numbers = [str(name) for name, v in runs.data_vars.items() if v.dtype.kind == "f"]
-        raise unknown_name("quantity", quantity, numbers)
-    found = runs[quantity]
+    found = _variable(runs, quantity)
     axis = [dim for dim in OUTPUTS if dim in found.dims]
     if x == "time":
         if not axis:
             raise ValueError(f"x='time': {quantity} is not over time")
         return found
     return at_end(found, runs)
+
+
+def _variable(runs: xr.Dataset, quantity: str) -> xr.DataArray:
+    """A variable of the runs; ValueError where there is none of that name."""
+    if quantity not in runs:
+        numbers = [str(name) for name, v in runs.data_vars.items() if v.dtype.kind == "f"]
+        raise unknown_name("quantity", quantity, numbers)
+    return runs[quantity]
 
 
 def at_end(values: xr.DataArray, runs: xr.Dataset) -> xr.DataArray:
@@ -91,7 +96,7 @@ def at_end(values: xr.DataArray, runs: xr.Dataset) -> xr.DataArray:
 
 def default_abscissa(runs: xr.Dataset, quantity: str | xr.DataArray) -> str:
     """Time for a quantity over time; else the parameter with most values, numbers first."""
-    found = quantity if isinstance(quantity, xr.DataArray) else runs.get(quantity, xr.DataArray(0))
+    found = quantity if isinstance(quantity, xr.DataArray) else _variable(runs, quantity)
     if set(found.dims) & set(OUTPUTS):
         return "time"
     dims = [str(dim) for dim in found.dims]

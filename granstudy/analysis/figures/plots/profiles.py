@@ -15,7 +15,7 @@ from granstudy.analysis.figures.plots.marks import line_opacity, mark, trust_han
 from granstudy.analysis.figures.plots.quantity import value_labels
 from granstudy.analysis.figures.plots.scales import number_scale, set_scale
 from granstudy.analysis.figures.plots.series import series_of
-from granstudy.analysis.figures.style import PANEL_HEIGHT, STYLE, WIDTH
+from granstudy.analysis.figures.style import PANEL_HEIGHT, STYLE, WIDTH, Picture
 from granstudy.trust.flags import Trust
 
 GUIDE: dict[str, Any] = {"color": "0.35", "linestyle": "--", "linewidth": 1.0, "zorder": 1}
@@ -55,7 +55,7 @@ def profile_figure(
     if not series:
         raise ValueError(f"{y.name}: no density is kept of these runs")
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(0.8 * WIDTH, PANEL_HEIGHT + 0.8), layout="constrained")
+        figure = Picture(figsize=(0.8 * WIDTH, PANEL_HEIGHT + 0.8), layout="constrained")
         ax = figure.subplots()
         looks = looks_of(series, value_labels(y))
         logarithmic = kind == "tail"

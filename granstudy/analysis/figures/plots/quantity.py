@@ -23,7 +23,7 @@ from granstudy.analysis.figures.plots.scales import (
     time_scale,
 )
 from granstudy.analysis.figures.plots.series import Series, abscissa, series_of
-from granstudy.analysis.figures.style import PANEL_HEIGHT, STYLE, WIDTH
+from granstudy.analysis.figures.style import PANEL_HEIGHT, STYLE, WIDTH, Picture
 from granstudy.trust.flags import Trust
 
 TIMES = ("time", "snapshot")
@@ -65,7 +65,7 @@ def lines_figure(
     if not series:
         raise ValueError(f"{y.name}: has no numbers over {x}")
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(0.8 * WIDTH, PANEL_HEIGHT + 0.8), layout="constrained")
+        figure = Picture(figsize=(0.8 * WIDTH, PANEL_HEIGHT + 0.8), layout="constrained")
         ax = figure.subplots()
         looks = looks_of(series, value_labels(y))
         draw_series(ax, series, looks)
@@ -150,7 +150,7 @@ def map_figure(
         )
     z = z.squeeze([d for d in z.dims if d not in (x, y)]).transpose(y, x)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(0.8 * WIDTH, PANEL_HEIGHT + 0.8), layout="constrained")
+        figure = Picture(figsize=(0.8 * WIDTH, PANEL_HEIGHT + 0.8), layout="constrained")
         ax = figure.subplots()
         values = np.asarray(z.values, dtype=float)
         labels = _labels(z, trust)

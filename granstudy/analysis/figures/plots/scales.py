@@ -8,7 +8,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from granstudy.trust.flags import Trust
 
-DECADES = 30.0
+DECADES = 10.0
 """Positive numbers that span so much are drawn in their logarithm."""
 
 LONG_AGO = 100.0
