@@ -86,6 +86,17 @@ def test_what_to_cite_is_bibtex(type_):
 def test_help_names_every_command(type_):
     status, output = type_("-h")
     assert status == 0
-    for name in ("new", "check", "plan", "run", "status", "open", "prune", "verify", "cite"):
+    for name in (
+        "new",
+        "check",
+        "plan",
+        "run",
+        "status",
+        "open",
+        "prune",
+        "verify",
+        "tune",
+        "cite",
+    ):
         assert re.search(rf"^  {name} ", output, re.MULTILINE), name
         assert type_(f"{name} --help")[0] == 0
