@@ -123,7 +123,7 @@ def test_commands_of_a_page_are_commands(page):
         elif words[0] in {"python", "bash"}:
             assert words[1] == "-m" or (ROOT / words[1]).is_file(), line
         else:
-            assert words[0] in {"snakemake", "pytest"}, line
+            assert words[0] in {"snakemake", "pytest", "sphinx-build"}, line
 
 
 @pytest.mark.parametrize("name", ["tutorial.md", "how_to.md"])

@@ -120,7 +120,8 @@ OF_QUANTITY: dict[str, Column] = {
     "slope": Column("d ln T/d ln t", SIX, CONSTANT, "d ln T/d ln t, mean over the last decade of t"),
     "slope_error": Column(
         "from −2/λ", ROUGH, CONSTANT, "largest |d ln T/d ln t + 2/λ| in the last decade of t"),
-    "C0": Column("C₀", ".5g", HAFF, "Haff constant, least squares of T0 (1 + C0 t)^-2"),
+    "C0": Column(
+        "C₀", ".5g", HAFF, "Haff constant, least squares of T0 (1 + C0 t)^-2", symbol="$C_0$"),
     "C0_error": Column("± (fit)", ERROR, HAFF_ERROR, "standard error of the fitted C0"),
     "C0_theory": Column(
         "C₀ (Gaussian)", ".5g", CONSTANT,

@@ -65,7 +65,7 @@ def advance(
         choice = concrete(scene, solver)
         kept = _checkpoint(scene, choice.solver, settings, checkpoint, maker(choice.solver))
         return evolve(scene, choice, settings, progress, kept)
-    check_particles(scene, solver.sized())
+    check_particles(scene, solver.sized(), settings.t_final)
     kept = _checkpoint(scene, solver, settings, checkpoint)
     ds = simulate_particles(scene, solver, settings.recorded, settings.save_every, progress, kept)
     if settings.dt is None:

@@ -12,17 +12,18 @@ from granstudy.support.checks import answer, is_real, plain
 Restitution = float | Callable[[np.ndarray], np.ndarray]
 """A constant 0 ≤ e ≤ 1, or a function of the normal impact speed |g·ω| (the paper's Remark 2)."""
 
-C1 = 1.15344
-"""Coefficient C₁ of viscoelastic spheres (Brilliantov & Pöschel 2004, eq. 3.22)."""
+C1 = math.gamma(0.6) * math.sqrt(math.pi) / (2.0**0.2 * 5.0**0.4 * math.gamma(2.1))
+"""Coefficient C₁ = Γ(3/5)√π / (2^{1/5} 5^{2/5} Γ(21/10)) = 1.15345 of viscoelastic spheres (Brilliantov &
+Pöschel 2004, eq. 3.22)."""
 
 
 @dataclass(frozen=True)
 class Viscoelastic:
     """Restitution of viscoelastic spheres, e = 1 − C₁ A v^{1/5} + ⅗ C₁² A² v^{2/5}.
 
-    v is the normal impact speed |g·ω|, and C₁ = 1.15344. The law is the series of Brilliantov & Pöschel,
-    *Kinetic Theory of Granular Gases* (2004), eq. 3.22, up to its second term. The law has the minimum
-    7/12: e stays in [0, 1] until C₁ A v^{1/5} exceeds 5/3.
+    v is the normal impact speed |g·ω|, and C₁ = 1.15345. The law is the first three terms of the series of
+    Brilliantov & Pöschel, *Kinetic Theory of Granular Gases* (2004), eq. 3.22; A stands for their A κ^{2/5}.
+    The law has the minimum 7/12: e stays in [0, 1] until C₁ A v^{1/5} exceeds 5/3.
 
     Attributes
     ----------

@@ -51,6 +51,7 @@ def test_densities(method):
         operator(f)
 
 
+@pytest.mark.fault("C3")
 @pytest.mark.parametrize(
     ("scene", "settings", "message"),
     [

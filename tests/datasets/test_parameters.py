@@ -60,6 +60,7 @@ def test_the_source_of_named_scenes_is_granstudys():
     assert list(ds.coords)[-1] and str(ds["scene"].values) == "maxwellian2d"
 
 
+@pytest.mark.fault("C5")
 def test_constant_and_viscoelastic_runs_open_together(tmp_path):
     solver = gs.Solver(N=8, R=7.0, N_rho=4, M_cir=4)
     for name, law in (("constant", {"e": 0.5}), ("law", {"restitution": "viscoelastic", "A": 0.1})):

@@ -8,6 +8,7 @@ import granstudy as gs
 GOOD_SOLVER = {"N": 8, "R": 7.0}
 
 
+@pytest.mark.fault("C7")
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
@@ -61,6 +62,7 @@ def test_solver(settings, message):
         gs.Solver(**GOOD_SOLVER | settings)
 
 
+@pytest.mark.fault("C7")
 @pytest.mark.parametrize(
     ("overrides", "message"),
     [
@@ -123,6 +125,7 @@ def test_unknown_scene():
         gs.load_scene("bkw4d")
 
 
+@pytest.mark.fault("C7")
 @pytest.mark.parametrize(
     ("exponent", "strength"),
     [(1.5, 1.0), (-0.1, 1.0), (0.0, 0.0), ("a", 1), (1, "a"), (True, 1.0), (np.array([1.0]), 1.0)],

@@ -49,10 +49,12 @@ def test_a_folder_of_results_has_no_braces(folder):
         check_owner(layout, folder / "own.yaml")
 
 
+@pytest.mark.fault("C4")
 def test_a_study_called_paper_has_no_notebooks_of_runs_that_it_lacks(tmp_path):
     assert Layout(load_text(tmp_path, STUDY, "paper"), str(tmp_path)).notebooks == []
 
 
+@pytest.mark.fault("C4")
 @pytest.mark.parametrize("name", ["my{s}", "my study", ".hidden", "it's", "x" * 65, "-x"])
 def test_names_of_study_files(tmp_path, name):
     with pytest.raises(ValueError, match="is no name of a study, whose results lie in a folder"):

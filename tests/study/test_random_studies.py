@@ -38,6 +38,7 @@ def verdict(text, folder):
     return ""
 
 
+@pytest.mark.fault("C2")
 @pytest.mark.parametrize("part", range(PARTS))
 def test_a_random_study_is_planned_or_refused(part, tmp_path):
     (tmp_path / "my_gas.py").write_text(OWN_CODE)

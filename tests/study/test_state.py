@@ -72,6 +72,7 @@ def test_two_names_of_one_run_are_one_run():
     assert State(study).seconds > 0.0
 
 
+@pytest.mark.fault("A4")
 def test_names_are_links_to_the_store_and_follow_the_study():
     study = layout()
     compute(study)
@@ -145,6 +146,7 @@ def test_jobs_are_written_and_forgotten_when_their_runs_are_there():
     assert overview["done"] == 2 and sum(overview["labels"].values()) == 2
 
 
+@pytest.mark.fault("B8")
 def test_a_receipt_whose_runs_are_gone_is_no_reason_to_leave_the_job_out():
     study = layout()
     (job,) = prepare(study, "test.yaml", cores=1)

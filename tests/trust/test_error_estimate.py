@@ -32,6 +32,7 @@ def assert_estimated(pairs):
         assert true < 1e-6 or estimate < 100 * true
 
 
+@pytest.mark.fault("L1")
 @pytest.mark.parametrize(("e", "epsilon", "t"), [(1.0, 0.11, 1.0), (0.5, 0.05, 1.0)])
 def test_the_motion_of_the_frame_and_the_diffusion_count(e, epsilon, t):
     scene = gs.load_scene("bkw2d", restitution=e, diffusion=epsilon)
@@ -42,6 +43,7 @@ def test_the_motion_of_the_frame_and_the_diffusion_count(e, epsilon, t):
     assert pairs[1][0] > 1e-5
 
 
+@pytest.mark.fault("L2")
 @pytest.mark.parametrize("conserve", [(), ("mass", "energy")])
 def test_energy_that_is_conserved_does_not_silence_the_estimate_of_T(conserve):
     """Collisions beyond R are missing: T was off by 1e-3, estimated at 7e-8."""
@@ -70,6 +72,7 @@ def test_balances_are_about_twenty_however_few_the_outputs():
     assert between(np.array([0.0])).size == 0
 
 
+@pytest.mark.fault("L3")
 def test_a_steady_run_stays_trusted():
     """Errors are forgotten while they grow: the estimate was 1e-4, 8e-4, 8e-3, 8e-2 for T off by 4.5e-5."""
     gas = {"kernel": gs.hard_spheres(3), "restitution": 0.5, "diffusion": 0.2}
@@ -86,6 +89,7 @@ def test_a_steady_run_stays_trusted():
         assert Trust(int(ds["trust"])) is Trust.TRUSTED
 
 
+@pytest.mark.fault("L5")
 @pytest.mark.parametrize("scheme", ["rk3", "dopri54", "exponential"])
 @pytest.mark.parametrize(
     "step", [{"dt": 0.5}, {"dt": 0.25}, {"time_rtol": 1e-2}, {"time_rtol": 1e-4}], ids=str
@@ -97,6 +101,7 @@ def test_the_error_of_the_steps_counts_in_every_scheme(scheme, step):
     assert_estimated(against(scene, ds, RESOLVED))
 
 
+@pytest.mark.fault("L4")
 def test_a_large_step_of_high_order_is_not_blamed_for_that_of_low_order():
     """bkw2d, e = 1: the estimate of a2 was 6e-4 for a true 7e-10."""
     scene = gs.load_scene("bkw2d", restitution=1.0, diffusion=0.0)

@@ -176,6 +176,7 @@ def test_bad_studies_get_one_clear_error_before_any_work(project, old, new, mess
     assert not (project / "results").exists()
 
 
+@pytest.mark.fault("A6", "B8")
 def test_a_study_of_another_name_and_a_deleted_or_damaged_run(project):
     """The store knows a run by what it depends on: nothing is computed twice, nothing damaged stays."""
     snakemake(project)

@@ -110,6 +110,11 @@ def cooling_figure(
                 law = {"color": look["color"], "alpha": line_opacity(trust), **FIT}
                 left.plot(t, haff_temperature(t, its_T[0], constant, 2 * power), **law)
                 right.plot(t[sampled], constant * t[sampled], **law)
+        if len(looks.handles) == len(series):
+            for handle, one in zip(looks.handles, series, strict=True):
+                constant = float(_at(C0, one.key))
+                if np.isfinite(constant):
+                    handle.set_label(f"{handle.get_label()}, {symbol('C0')} = {constant:.4g}")
         chosen = scale or time_scale([one.x for one in series])
         left.set(xlabel="$t$", ylabel=symbol("temperature"))
         if chosen == "log":

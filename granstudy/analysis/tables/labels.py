@@ -14,7 +14,7 @@ from granstudy.datasets.netcdf import read_dataset, run_seconds
 from granstudy.datasets.open_runs import final_values
 from granstudy.study.run import Run
 from granstudy.trust.flags import Status, Trust, flag_word
-from granstudy.trust.rules import RULES, Judged
+from granstudy.trust.rules import RULES, SMALL, Judged
 from granstudy.trust.truth import Errors
 from granstudy.velocity.symmetry import Symmetry
 
@@ -142,6 +142,7 @@ def markdown_labels(table: xr.Dataset) -> str:
         _kinds(table),
         "Estimate over error, where the error is surely above 1e-6 (one above 0.1 counts as 0.1):",
         _quantiles(table),
+        _truths(table),
         _breaking(table),
         _failed(table),
     ]
@@ -215,6 +216,28 @@ def _quantiles(table: xr.Dataset) -> str:
                 lines.append([f"{quantity}, {name}", str(ratios.size), *numbers])
     heads = ["least", *(f"{q:.0%}" for q in QUANTILES[1:-1]), "largest"]
     return github_table(["", "runs", *heads], lines, ["left", *["right"] * (1 + len(heads))])
+
+
+def _truths(table: xr.Dataset) -> str:
+    """How many runs have which truth, and how many of those are known well by it."""
+    ok = table["status"].values == Status.OK
+    well = np.full(table.sizes["run"], True)
+    for quantity in QUANTITIES:
+        least = np.maximum(SMALL, table[f"largest_{quantity}_error"].values / 10)
+        well &= table[f"{quantity}_known_to"].values <= least
+    kinds = np.array([_kind_of_truth(str(text)) for text in table["truth"].values])
+    lines = [
+        [kind, str(np.sum(ok & (kinds == kind))), str(np.sum(ok & well & (kinds == kind)))]
+        for kind in sorted(set(kinds[ok]))
+    ]
+    header = ["truth", "runs", "known to a tenth of both errors, or to 1e-6"]
+    return github_table(header, lines, ["left", "right", "right"])
+
+
+def _kind_of_truth(text: str) -> str:
+    if text.startswith("dsmc"):
+        return "particles"
+    return text if text == "exact law" else "a finer run"
 
 
 def _breaking(table: xr.Dataset) -> str:

@@ -52,6 +52,18 @@ def test_runs_that_break_a_rule_are_counted_and_listed(made):
     assert "|      6 | trusted_wrong underestimated |" in text
 
 
+def test_truths_are_counted_with_those_that_are_known_well(made):
+    table = made.tables["labels"].copy(deep=True)
+    table["truth"][:] = ["exact law", "radial, N = 48, R = 12, trusted", "dsmc, 10 particles"]
+    table["a2_known_to"][2] = 0.3 * table["largest_a2_error"][2] + 1e-5
+    lines = [
+        [cell.strip() for cell in line.split("|")] for line in markdown_labels(table).splitlines()
+    ]
+    assert ["", "exact law", "1", "1", ""] in lines
+    assert ["", "a finer run", "1", "1", ""] in lines
+    assert ["", "particles", "1", "0", ""] in lines
+
+
 def test_a_run_that_failed_is_counted_apart(made):
     table = made.tables["labels"].copy(deep=True)
     table["status"][2] = Status.FAILED
