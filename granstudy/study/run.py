@@ -183,7 +183,7 @@ class Run:
         if isinstance(self.model, LabelsExperiment):
             return self._case.solver
         swept = self._values_of(SolverModel.model_fields)
-        settings = self.model.solver.model_dump(exclude_none=True) | swept
+        settings = self.model.solver_words | swept
         if not _takes(settings, "particles"):
             # So that an experiment can sweep over methods, one of them by particles.
             settings = _without(settings, PARTICLES - swept.keys())
