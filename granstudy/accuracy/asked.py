@@ -4,16 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from granstudy.support.checks import is_real
+from granstudy.model.solver import Solver
 
 DEFAULT = 1e-3
 """Accuracy of the temperature where nothing is asked for."""
-
-A2_OVER_TEMPERATURE = 10.0
-"""Accuracy of a2 over that of the temperature, where only the latter is given."""
-
-FINEST, COARSEST = 1e-10, 0.1
-"""Accuracies that can be asked for: estimates of errors are of first order, and see ten digits at most."""
 
 QUANTITIES = ("temperature", "a2")
 """What an accuracy can be asked of."""
@@ -29,30 +23,16 @@ class Accuracy:
         Error of T relative to T.
     a2 : float
         Error of the kurtosis excess a2.
-
-    Raises
-    ------
-    ValueError
-        If a value is not a number between `FINEST` and `COARSEST`.
     """
 
     temperature: float
     a2: float
 
-    def __post_init__(self) -> None:
-        for name in QUANTITIES:
-            value = getattr(self, name)
-            if not is_real(value) or not FINEST <= value <= COARSEST:
-                raise ValueError(
-                    f"accuracy.{name}={value!r}: must be a number between {FINEST:g} and {COARSEST:g}"
-                )
-            object.__setattr__(self, name, float(value))
-
     @classmethod
     def of(cls, asked: Any = None) -> "Accuracy":
         """The accuracy asked for: a number (that of T), a mapping, an `Accuracy`, or None (`DEFAULT`).
 
-        Where only one of T and a2 is named, a2's is `A2_OVER_TEMPERATURE` times T's, at most `COARSEST`.
+        Where only one of T and a2 is named, a2's is 10 times T's.
 
         Raises
         ------
@@ -71,15 +51,20 @@ class Accuracy:
                 f"accuracy={dict(asked)!r}: must be a number, or a mapping with the keys "
                 f"{' and '.join(QUANTITIES)}"
             )
-        named = dict(asked)
-        for name, value in named.items():
-            if not is_real(value):
-                raise ValueError(f"accuracy.{name}={value!r}: must be a number")
-        if "a2" not in named:
-            named["a2"] = min(A2_OVER_TEMPERATURE * named["temperature"], COARSEST)
-        if "temperature" not in named:
-            named["temperature"] = max(named["a2"] / A2_OVER_TEMPERATURE, FINEST)
-        return cls(**named)
+        solver = Solver(accuracy=asked.get("temperature"), a2_accuracy=asked.get("a2"))
+        return cls.of_solver(solver)
+
+    @classmethod
+    def of_solver(cls, solver: Solver) -> "Accuracy":
+        """The accuracy that a solver asks for."""
+        assert solver.accuracy is not None
+        assert solver.a2_accuracy is not None
+        return cls(solver.accuracy, solver.a2_accuracy)
+
+    @property
+    def solver(self) -> Solver:
+        """The solver that asks for it."""
+        return Solver(accuracy=self.temperature, a2_accuracy=self.a2)
 
     def describe(self) -> dict[str, float]:
         """The accuracy as plain data."""

@@ -41,6 +41,11 @@ def choose(scene: Scene, solver: Solver) -> Choice:
         If no grid of reasonable size holds the scene's density.
     """
     asked, fitted = solver, ""
+    if solver.accuracy is not None:
+        raise ValueError(
+            f"accuracy={solver.accuracy!r}: runs and states choose their grids for it; one operator needs "
+            "N and R, or rtol"
+        )
     if solver.N is None:
         assert solver.rtol is not None
         box = fit_solver(scene, solver.rtol, variant=solver.variant, threads=solver.threads).sized()

@@ -60,7 +60,7 @@ PARAMETERS: dict[str, Parameter] = {
     "tail": Parameter("exponent of the initial tail", "$s$", absent=math.nan, real=True),
     "symmetry": Parameter("symmetry of the initial density"),
     "accuracy": Parameter("accuracy asked of the temperature", absent=math.nan, real=True),
-    "a2_accuracy": Parameter("accuracy asked of a2", absent=math.nan, real=True, follows=True),
+    "a2_accuracy": Parameter("accuracy asked of a2", absent=math.nan, real=True),
     "N": Parameter("grid points in each dimension", "$N$"),
     "R": Parameter("truncation radius of relative velocities", "$R$", real=True),
     "N_rho": Parameter("radial nodes", r"$N_\rho$", "N_ρ", absent=-1),

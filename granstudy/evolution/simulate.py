@@ -23,13 +23,12 @@ from granstudy.particles.cost import check_particles
 from granstudy.particles.simulation import simulate_particles
 from granstudy.support.fingerprint import fingerprint
 from granstudy.support.progress import Progress
-from granstudy.trust.notice import warn_of_trust
 
 FORK = "no run follows or hashes this module (granstudy.support.fingerprint)"
 """Mark of a fork."""
 
 
-def simulate(
+def simulate_by(
     scene: Scene,
     solver: Solver,
     *,
@@ -44,90 +43,11 @@ def simulate(
     progress: Progress = None,
     checkpoint: str | os.PathLike[str] | None = None,
 ) -> xr.Dataset:
-    """Advance the initial density of a scene to ``t_final``, on a grid or by particles.
-
-    Parameters
-    ----------
-    scene : Scene
-    solver : Solver
-        Grid or method may be left open (`granstudy.choose`).
-    t_final : float
-        Final time.
-    dt : float, optional
-        Size of every step; ``t_final`` must be a whole number of steps. Every step is an output.
-    time_rtol : float, optional
-        In place of ``dt``: tolerance of steps that adapt their size. The estimated error of a step is at most
-        ``time_rtol``, relative to the largest value of the density, to its fourth moment, and in a rescaled
-        frame to √T.
-    times : array_like, optional
-        With ``time_rtol``: times of outputs, positive and increasing; 0 and ``t_final`` are outputs too.
-        Default: 10 in a decade, from 0.01 on, or from ``t_final``/100 where this is earlier.
-    frame : str
-        ============  ============================================================================
-        ``fixed``     velocities v
-        ``rescaled``  velocities (v − u)/θ, which shrink and grow with the gas: its temperature on
-                      the grid stays as it is at the start. For long cooling and heating
-        ============  ============================================================================
-    scheme : str, optional
-        ===============  =========================================================================
-        ``rk3``          order 3, the paper's; default with ``dt``
-        ``dopri54``      order 5; default with ``time_rtol``
-        ``exponential``  order 3, with exact diffusion, which then does not limit the step
-        ===============  =========================================================================
-    conserve : sequence of str
-        Which of ``mass``, ``momentum``, ``energy`` the discrete Q balances exactly. Q is changed as little as
-        possible (docs/method.md §9). Mass and momentum then stay constant; collisions take energy at the
-        exact rate, summed over all pairs of the density. A radial grid has no momentum.
-    save_every : int, optional
-        Keep the density at the first output, at every ``save_every``-th after it, and at the last. Default:
-        no density is kept.
-    progress : bool or callable, optional
-        Show a progress bar, or call a function of (done, total, time). Default: a bar where a person watches
-        (a terminal, a notebook). By a grid, done is the number of outputs after the start, and the function
-        is called after each output, and between outputs about ten times a second. By particles, all batches
-        count together, the time is their mean, and the function is called about ten times a second.
-    checkpoint : str or path, optional
-        File that the state of the run is written to once a minute, so that the same call goes on from there
-        after an interruption, with the same numbers as a run without one. It is removed when the run is
-        done. The environment variable ``GRANSTUDY_CHECKPOINT_SECONDS`` sets other seconds. By particles,
-        states are those at recorded times.
-
-    Returns
-    -------
-    xarray.Dataset
-        Moments of f over ``time``, exact laws and errors where a law is known, `status`, `trust`. A run that
-        cannot go on ends early, with its status, the reason, and all that was computed before.
-
-        ==========================  =============================================================
-        `f`, `g`                    kept densities, in the fixed and in the rescaled frame;
-                                    `granstudy.physical_density` makes f of either
-        attribute ``steps``         numbers of steps, and of evaluations of Q, where steps adapt
-        attribute ``choice``        why grid and method were chosen, where they were open
-        attribute ``solver``        the solver that was chosen
-        attribute ``asked_solver``  the solver asked for, where that is another one
-        ==========================  =============================================================
-
-    Raises
-    ------
-    ValueError
-        For a bad scene, solver or time, before any work starts; and where ``checkpoint`` is a file of another
-        kind, or of a run with another scene, solver, time, code, or version of a library.
-
-    Warns
-    -----
-    NotTrustedWarning
-        If the run is marginal or untrusted, with the remedy.
-
-    Notes
-    -----
-    By method `dsmc`, times only say when moments are recorded; frame and conservation have no meaning there
-    and are refused.
-    """
+    """`granstudy.simulate` with a solver; parameters, errors and warnings are explained there."""
     settings = TimeSettings(t_final, dt, time_rtol, times, frame, scheme, conserve, save_every)
     ds = advance(scene, solver, settings, progress, checkpoint)
     if checkpoint is not None:
         Path(checkpoint).unlink(missing_ok=True)
-    warn_of_trust(ds)
     return ds
 
 
@@ -138,7 +58,7 @@ def advance(
     progress: Progress = None,
     checkpoint: str | os.PathLike[str] | None = None,
 ) -> xr.Dataset:
-    """`simulate` with settings of time that are checked, and without its warning; a checkpoint stays."""
+    """`simulate_by` with settings of time that are checked, and without its warning; a checkpoint stays."""
     check_frame(scene, solver, settings)
     check_outputs(settings)
     if not solver.traits.by_particles:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
+from granstudy.accuracy.times import accurate_times
 from granstudy.evolution.times import TimeSettings
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
@@ -83,7 +84,11 @@ class Computation:
     @cached_property
     def time(self) -> TimeSettings | None:
         """How the run goes through time, checked; None where nothing evolves."""
-        return None if self.time_fields is None else TimeSettings(**self.time_fields)
+        if self.time_fields is None:
+            return None
+        if self.solver.accuracy is not None:
+            return accurate_times(**self.time_fields)
+        return TimeSettings(**self.time_fields)
 
     @cached_property
     def parameters(self) -> str:

@@ -9,6 +9,7 @@ from granstudy.collision.choice.methods import OPERATORS
 from granstudy.collision.operator import choose
 from granstudy.model.choice import Choice
 from granstudy.model.scene import Scene
+from granstudy.model.solver import Solver
 from granstudy.particles.cost import particle_cost
 from granstudy.runs.computation import Computation, ladder
 from granstudy.runs.kinds import KINDS
@@ -19,6 +20,10 @@ MANY = 100_000
 STAND_IN = {2: (64, 8.0), 3: (32, 8.0)}
 """N and R of estimates, by dimension, where the run chooses them itself: to choose them takes longer than a
 workflow can wait for before it starts."""
+
+
+STAND_IN_RTOL = 1e-4
+"""Tolerance of the quadrature, likewise, of a run to an accuracy."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +56,11 @@ def chosen(computation: Computation) -> Choice:
     solver = computation.solver
     if solver.N is None:
         N, R = STAND_IN[computation.scene.dim]
-        solver = replace(solver, N=N, R=R)
+        solver = (
+            replace(solver, N=N, R=R)
+            if solver.accuracy is None
+            else Solver(N=N, R=R, method="auto", rtol=STAND_IN_RTOL, threads=solver.threads)
+        )
     return replace(choose(planned_scene(computation), solver), asked=computation.solver)
 
 

@@ -7,6 +7,9 @@ from pathlib import Path
 
 import xarray as xr
 
+from granstudy.accuracy.asked import Accuracy
+from granstudy.accuracy.evolve import Limits, evolve_to
+from granstudy.accuracy.states import state_to
 from granstudy.collision.operator import choose
 from granstudy.evolution.forecast import expected_evaluations
 from granstudy.evolution.simulate import advance, computed_by
@@ -34,6 +37,8 @@ class Kind:
     ----------
     code : callable
         chosen solver ↦ the function that computes such a run; its module is the code that the run uses.
+    to_accuracy : callable or None
+        The function that computes such a run to an accuracy; None where there is no such run.
     compute : callable or None
         (computation, solver, progress, checkpoint) ↦ the run's dataset, progress as of `granstudy.simulate`;
         None where all runs of an experiment are computed together. The checkpoint is a path or None, for runs
@@ -56,6 +61,7 @@ class Kind:
     """
 
     code: Callable[[Solver], Callable[..., object]]
+    to_accuracy: Callable[..., object] | None
     compute: Callable[[Computation, Solver, Progress, Path | None], xr.Dataset] | None
     evaluations: Callable[[Computation, SizedSolver], int] = lambda computation, solver: 1
     planned_scene: Callable[[Scene], Scene] = lambda scene: scene
@@ -70,6 +76,14 @@ def _evolve(
     computation: Computation, solver: Solver, progress: Progress, checkpoint: Path | None
 ) -> xr.Dataset:
     assert computation.time is not None
+    if solver.accuracy is not None:
+        return evolve_to(
+            computation.scene,
+            Accuracy.of_solver(solver),
+            computation.time,
+            Limits(threads=solver.threads),
+            progress,
+        )
     return advance(computation.scene, solver, computation.time, progress, checkpoint)
 
 
@@ -85,16 +99,23 @@ def _find(
     progress: Progress,
     checkpoint: Path | None,
 ) -> xr.Dataset:
+    if solver.accuracy is not None:
+        asked = Accuracy.of_solver(solver)
+        return state_to(computation.scene, asked, state, progress=progress, threads=solver.threads)
     return FIND[state](computation.scene, solver, progress=progress)
 
 
 def _check_state(state: str, computation: Computation) -> None:
-    check_state(computation.scene, computation.solver, heated=state == "heated")
+    solver = computation.solver
+    if solver.accuracy is not None:
+        solver = Solver(N=32, R=8.0, method="radial")
+    check_state(computation.scene, solver, heated=state == "heated")
 
 
 def _state(state: str) -> Kind:
     return Kind(
         code=lambda solver: cooling_state,
+        to_accuracy=state_to,
         compute=partial(_find, state),
         evaluations=lambda computation, solver: state_evaluations(solver),
         planned_scene=gaussian_scene,
@@ -129,18 +150,23 @@ def _label(
 KINDS = {
     "evolution": Kind(
         code=computed_by,
+        to_accuracy=evolve_to,
         compute=_evolve,
         evaluations=_evolution_evaluations,
         by_particles=True,
     ),
     "collision": Kind(
         code=lambda solver: evaluate,
+        to_accuracy=None,
         compute=lambda computation, solver, *_: evaluate(computation.scene, solver),
         shares_nodes=True,
     ),
-    "benchmark": Kind(code=lambda solver: evaluate, compute=None, needs_size=True),
+    "benchmark": Kind(
+        code=lambda solver: evaluate, to_accuracy=None, compute=None, needs_size=True
+    ),
     "labels": Kind(
         code=lambda solver: labelled_run,
+        to_accuracy=None,
         compute=_label,
         by_particles=True,
         parts=_label_parts,

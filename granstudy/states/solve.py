@@ -31,70 +31,22 @@ VECTORS = 40
 def cooling_state(
     scene: Scene,
     solver: Solver,
-    *,
     tolerance: float = 1e-9,
     max_iterations: int = 20,
     progress: Progress = None,
 ) -> xr.Dataset:
-    """Solve for the homogeneous cooling state: f = θ^{−d} g((v−u)/θ), with a g that stays as it is.
-
-    The equation is Q(g,g) + (θ'/θ) ∇c·(c g) = 0, at θ = 1. The scene gives density, bulk velocity and
-    temperature, as its initial density has them on the grid. The temperature sets how far the grid reaches
-    in thermal speeds.
-
-    Parameters
-    ----------
-    scene : Scene
-        A scene with constant e < 1 and ε = 0.
-    solver : Solver
-        Any method but `dsmc`, with N and R given. As the state is isotropic, `auto` takes `radial`; only
-        these two may have an ``rtol``.
-    tolerance : float
-        Largest residual, over the largest value of (θ'/θ) ∇c·(c g).
-    max_iterations : int
-        Largest number of steps of Newton's method.
-    progress : bool or callable, optional
-        Show a progress bar, or call a function of (done, total, time) after each step, with total
-        ``max_iterations`` and time NaN. Default: a bar where a person watches (a terminal, a notebook).
-
-    Returns
-    -------
-    xarray.Dataset
-        Parameters, status, trust and attributes as of a run (`granstudy.simulate`). A state that was not
-        found has the status failed, with the reason; the last iterate is then given as it is.
-
-        =============================================  =========================================
-        `g`                                            density over the scaled velocities
-        `temperature`, `a2`, `a3`                      T, kurtosis excess, Sonine coefficient a3
-        `cooling_rate`, `cooling_coefficient`          −T'/T; K of T' = −ρK T^{1+λ/2}
-        `tail_slope` over ``tail_speed`` = |v−u|/√T    −d ln f/d c^λ; at λ = 0, −d ln f/d ln c
-        `residual` over ``iteration``                  how Newton's method converged
-        =============================================  =========================================
-
-    Raises
-    ------
-    ValueError
-        For a scene without such a state, or a solver that cannot find it, before any work starts.
-    """
+    """`granstudy.cooling_state` with a solver; parameters and errors are explained there."""
     return _state(scene, solver, False, tolerance, max_iterations, progress)
 
 
 def heated_state(
     scene: Scene,
     solver: Solver,
-    *,
     tolerance: float = 1e-9,
     max_iterations: int = 20,
     progress: Progress = None,
 ) -> xr.Dataset:
-    """Solve for the steady state of a gas heated by diffusion, Q(f,f) + εΔf = 0.
-
-    The equation is Q(g,g) + sΔg = 0 for f = θ^{−d} g((v−u)/θ), at the temperature T_g of the scene's initial
-    density on the grid. Then θ^{2+λ} = ε/s and T = θ²T_g, so that the grid holds the state at any ε.
-
-    Parameters, returned dataset and errors are as of `cooling_state`, with two differences: ε must be
-    above 0, and `tail_slope` is −d ln f/d c^{1+λ/2}.
-    """
+    """`granstudy.heated_state` with a solver; parameters and errors are explained there."""
     return _state(scene, solver, True, tolerance, max_iterations, progress)
 
 

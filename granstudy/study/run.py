@@ -183,7 +183,7 @@ class Run:
         if isinstance(self.model, LabelsExperiment):
             return self._case.solver
         swept = self._values_of(SolverModel.model_fields)
-        settings = self.model.solver.model_dump(exclude_none=True) | swept
+        settings = self.model.solver_words | swept
         if not _takes(settings, "particles"):
             # So that an experiment can sweep over methods, one of them by particles.
             settings = _without(settings, PARTICLES - swept.keys())
@@ -197,6 +197,7 @@ class Run:
         if isinstance(rule, str) and (self.folder / rule).is_file():
             settings["sphere_rule"] = str(self.folder / rule)
         may_be_open = "rtol" in settings and _takes(settings, "rtol")
+        may_be_open |= "accuracy" in settings or "a2_accuracy" in settings
         for needed in ("N", "R"):
             if needed not in settings and not may_be_open:
                 raise ValueError(f"{needed}: set solver.{needed} or sweep {needed}")
@@ -212,7 +213,8 @@ class Run:
         assert isinstance(self.model, EvolutionExperiment)
         model = self.model.time
         fields = model.model_dump(exclude_none=True) | self._values_of(TimeModel.model_fields)
-        if "dt" not in fields and "time_rtol" not in fields:
+        steps_open = self.solver.accuracy is not None
+        if "dt" not in fields and "time_rtol" not in fields and not steps_open:
             raise ValueError("dt: set time.dt or sweep dt, or set or sweep time_rtol")
         if isinstance(model.times, TimesModel):
             fields["times"] = model.times.outputs(fields["t_final"])

@@ -1,11 +1,12 @@
 """One experiment of a study file: runs of one kind, swept. A class a kind, told apart by ``run``."""
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from granstudy.study.schema.generated import OLD_WORDS, Section
 from granstudy.study.schema.sections import (
+    AccuracyModel,
     RangeModel,
     RefineModel,
     SceneFields,
@@ -195,6 +196,18 @@ class ExperimentBase(SweptExperiment):
 
     scene: SceneModel
     solver: SolverModel = SolverModel()
+    accuracy: Annotated[
+        float | AccuracyModel | None,
+        Field(description="in place of a solver: accuracy of T, or of temperature and a2"),
+    ] = None
+
+    @property
+    def solver_words(self) -> dict[str, Any]:
+        """What the experiment says of its solver; an accuracy is one."""
+        words = self.solver.model_dump(exclude_none=True)
+        if isinstance(self.accuracy, AccuracyModel):
+            return words | self.accuracy.words
+        return words if self.accuracy is None else words | {"accuracy": self.accuracy}
 
     def _check_swept(self, key: str) -> None:
         if key not in SWEPT and not self._has_own_code:
