@@ -211,6 +211,27 @@ class Layout:
         return [self.dataset(experiment) for experiment in self._notebooks.get(name, ())]
 
     @property
+    def report(self) -> str:
+        """The study on one page."""
+        return f"{self.results}/index.html"
+
+    def table_page(self, name: str) -> str:
+        """Table of an experiment, or of the map, as a page for Snakemake's report."""
+        return f"{self.results}/report/{name}.html"
+
+    @property
+    def tabled(self) -> list[str]:
+        """Names that have a table: the map, and experiments that ask for a table or a figure."""
+        experiments = self.study.model.experiments
+        names = [name for name, one in experiments.items() if one.table or one.figure]
+        return [*([MAP] if self.study.model.map is not None else []), *names]
+
+    @property
+    def reported(self) -> list[str]:
+        """What the report shows."""
+        return [*self.datasets, *self.tables, *self.figures, *self.map]
+
+    @property
     def wanted(self) -> list[str]:
         """All that the study asks for."""
-        return [*self.datasets, *self.tables, *self.figures, *self.map, *self.notebooks]
+        return [*self.reported, *self.notebooks, self.report]

@@ -216,5 +216,6 @@ def _write_overview(state: State, left: list[Job], cores: int | None) -> None:
         "seconds": sum(job.total for job in left),
         "cores": cores or 1,
         "labels": labels(state),
+        "page": layout.report,
     }
     write_json(layout.overview, content)

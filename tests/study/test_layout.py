@@ -67,7 +67,9 @@ def test_the_study_asks_for_its_tables_figures_and_map(layout):
     ]
     figures = [f"made/test/figures/cooling.{form}" for form in ("png", "svg")]
     made_of_all = ["made/test/tables/map.nc", "made/test/figures/map.png"]
-    assert layout.wanted == [*layout.datasets, *tables, *figures, *made_of_all]
+    assert layout.reported == [*layout.datasets, *tables, *figures, *made_of_all]
+    assert layout.wanted == [*layout.reported, "made/test/index.html"]
+    assert layout.tabled == ["map", "law", "cooling"]
     assert layout.map_tables == ["made/test/tables/law.nc"]
 
 

@@ -1,5 +1,6 @@
 """The map of a study as a figure: cases down, configurations across, cells coloured by label."""
 
+from textwrap import fill
 from typing import Any
 
 import matplotlib as mpl
@@ -23,6 +24,9 @@ ERRORS = ("largest_temperature_error", "largest_a2_error")
 CELL_WIDTH = 2.9
 LINE_HEIGHT = 0.27
 """Width of a column and height of a run, in inches."""
+
+LETTERS_AN_INCH = 14
+"""Letters of the title that fit into an inch."""
 
 LETTERS = 52
 """Letters that fit into a cell; longer texts take two lines, in smaller type."""
@@ -61,10 +65,11 @@ def draw_map(table: xr.Dataset) -> Figure:
         ax.grid(False)
         handles = [Patch(color=colour, label=name) for name, colour in LABEL_COLOURS.items()]
         figure.legend(handles=handles, loc="outside lower center", ncols=3)
-        title = (
-            f"{table.attrs['title']}\nlargest errors of T (relative) and of a2. {rule_line(table)}"
+        told = fill(
+            f"largest errors of T (relative) and of a2. {rule_line(table)}",
+            int(LETTERS_AN_INCH * size[0]),
         )
-        figure.suptitle(title, fontsize=9)
+        figure.suptitle(f"{table.attrs['title']}\n{told}", fontsize=9)
     return figure
 
 

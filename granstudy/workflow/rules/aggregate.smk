@@ -45,7 +45,13 @@ rule figure:
         beside=lambda wildcards: LAYOUT.beside_figure(wildcards.experiment),
         dataset=lambda wildcards: LAYOUT.dataset(wildcards.experiment),
     output:
-        multiext(f"{RESULTS}/figures/{{experiment}}", ".png", ".svg"),
+        f"{RESULTS}/figures/{{experiment}}.png",
+        report(
+            f"{RESULTS}/figures/{{experiment}}.svg",
+            caption="../captions/figure.rst",
+            category="Figures",
+            labels=lambda wildcards: report_labels(wildcards.experiment),
+        ),
     log:
         f"{RESULTS}/logs/figures/{{experiment}}.log",
     conda:

@@ -73,6 +73,12 @@ def each_attempt_more(amount):
     return lambda wildcards, attempt: amount * attempt
 
 
+def report_labels(name):
+    """What Snakemake's report calls an experiment, or the map."""
+    titled = STUDY.model.map if name == MAP else STUDY.model.experiments[name]
+    return {"experiment": name, "title": titled.title if titled else ""}
+
+
 # On a cluster all but runs and benchmarks stay where snakemake was started.
 localrules:
     all,
@@ -82,6 +88,7 @@ localrules:
     figure,
     map,
     notebook,
+    page,
 
 
 # The map's files lie beside those of experiments, none of which has its name.

@@ -7,7 +7,12 @@ rule map:
         csv=LAYOUT.table_file(MAP, "csv"),
         md=LAYOUT.table_file(MAP, "md"),
         png=LAYOUT.figure_file(MAP, "png"),
-        svg=LAYOUT.figure_file(MAP, "svg"),
+        svg=report(
+            LAYOUT.figure_file(MAP, "svg"),
+            caption="../captions/figure.rst",
+            category="Figures",
+            labels=report_labels(MAP),
+        ),
     log:
         f"{RESULTS}/logs/{MAP}.log",
     conda:
