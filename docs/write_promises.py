@@ -129,7 +129,7 @@ def _tests() -> str:
     lines = [
         "## Tests\n",
         f"Tests run {total['percent']} % of the lines of the package.",
-        f"Of {every['mutants']} small mistakes put into the code of the mathematics, tests see {every['killed']}.",
+        f"Of {every['mutants']} small mistakes put into the mathematics, tests see {every['killed']}.",
         "Each of the others is explained in [the table](results/checks/mutants.csv).",
         "[Contributing](contributing.md#coverage-and-mutants) has the commands.\n",
         "| room | lines covered | mutants | killed | survived, explained |",
