@@ -1,6 +1,6 @@
 """Committed moments and work of small runs, which no change may move unnoticed.
 
-``python tests/baselines.py`` in the repository writes baselines.json anew, and says what moved and by how much.
+``python tests/baselines.py`` in the repository writes baselines.json anew, and says what moved.
 Commit it with the reason for the move.
 """
 

@@ -1,4 +1,4 @@
-"""Moments and work of small runs are those that are committed (tests/baselines.py says how to change them)."""
+"""Moments and work of small runs are those that are committed (`baselines` says how to change them)."""
 
 import pytest
 from baselines import CASES, MOMENT_TOLERANCE, MOMENTS, USUAL, WORK_TOLERANCE, committed, measured
