@@ -10,8 +10,8 @@ broken     neither
 ratio      with --scan: seconds over those of the cheapest fixed solver whose errors are as small
 =========  ===================================================================================
 
-The truth is an exact law for Maxwell molecules, else a finer run. A run counts as `uncertain` where it misses and
-the estimate of its truth is above half of what was asked. Gases are those of random runs
+The truth is an exact law for Maxwell molecules, else a finer run. A run counts as `uncertain` where it misses
+and the estimate of its truth is above half of what was asked. Gases are those of random runs
 (`granstudy.runs.labels.cases`), isotropic in 2D and 3D, or without symmetry in 2D.
 """
 
