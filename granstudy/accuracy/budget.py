@@ -76,12 +76,15 @@ def allowed_growth(asked: Accuracy, balance: Balance, spent: Change, left: float
     coupling = balance.shape / forgetting
     a2 = asked.a2 if coupling == 0.0 else min(asked.a2, SHAPE_SHARE * asked.temperature / coupling)
     temperature = _left(share, spent.temperature * np.exp(-balance.forgetting * left)) / 2
-    other = np.inf
+    a2_growth = _left(GRID_SHARE * a2, spent.a2 * np.exp(-balance.relaxing * left)) * relaxing
+    # Where energy is wrong, a2 is wrong as well, unless by chance.
+    other = a2_growth
     if balance.cooling > 0.0:
-        other = SHAPE_SHARE * share * forgetting * relaxing / balance.cooling
+        most = SHAPE_SHARE * share * forgetting * relaxing / balance.cooling
+        other = min(other, most)
     return Allowed(
         temperature=temperature * forgetting,
-        a2=_left(GRID_SHARE * a2, spent.a2 * np.exp(-balance.relaxing * left)) * relaxing,
+        a2=a2_growth,
         other=float(other),
         step_temperature=STEP_SHARE * asked.temperature * forgetting,
         step_a2=STEP_SHARE * a2 * relaxing,
