@@ -25,7 +25,7 @@ MOVE_SHARE = 0.1
 """Part for each change of the grid, and for going on with the isotropic part."""
 
 SHAPE_SHARE = 0.6
-"""Part of the grid's share of T that errors of a2 may use, which change the rate of cooling; and likewise other
+"""Part of the grid's share of T that errors of a2 may use, which change the rate of cooling; and other
 errors of the shape. Both are rarely used at once."""
 
 DIRECT_SHARE = 0.2
