@@ -10,7 +10,7 @@ import xarray as xr
 from granstudy.accuracy.asked import Accuracy
 from granstudy.accuracy.evolve import Limits, evolve_to
 from granstudy.accuracy.states import state_to
-from granstudy.collision.operator import concrete
+from granstudy.collision.operator import choose
 from granstudy.evolution.forecast import expected_evaluations
 from granstudy.evolution.simulate import advance, computed_by
 from granstudy.model.scene import Scene
@@ -140,7 +140,7 @@ def _label(
     ]
     return labelled_run(
         computation.scene,
-        concrete(computation.scene, solver),
+        choose(computation.scene, solver),
         computation.time,
         _evolve(run, solver, progress, None),
         truths[0] if truths else None,

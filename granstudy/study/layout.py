@@ -102,6 +102,13 @@ class Layout:
         """What the file `complete` will say, while some runs of an experiment are missing."""
         return f"{self.jobs}/{name}.runs"
 
+    def since(self, name: str) -> str:
+        """When runs of an experiment were first missing, since they were last all there; in nanoseconds.
+
+        Snakemake takes a file that is gone for up to date where all that led to it is as it was. This is not.
+        """
+        return f"{self.jobs}/{name}.since"
+
     def dataset(self, name: str) -> str:
         """All runs of an experiment as one dataset, without densities; of a benchmark its one file."""
         return (

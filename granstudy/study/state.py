@@ -13,7 +13,7 @@ from granstudy.runs.store import link, sidecar
 from granstudy.study.jobs import Job, jobs, seconds_of
 from granstudy.study.layout import Layout
 from granstudy.study.study import Member
-from granstudy.support.files import ABANDONED, read_json, write_json
+from granstudy.support.files import ABANDONED, read_json, write_json, write_text
 
 
 @dataclass(frozen=True)
@@ -172,6 +172,9 @@ def _show_complete(state: State, name: str) -> None:
     keys = {m.path: m.key for m in state.layout.study.members if m.experiment == name}
     path = Path(state.layout.complete(name))
     if not all(key in state.there for key in keys.values()):
+        since = Path(state.layout.since(name))
+        if path.exists() or not since.exists():
+            write_text(since, str(time.time_ns()))
         path.unlink(missing_ok=True)
         write_json(Path(state.layout.awaited(name)), keys)
     elif read_json(path) != keys:

@@ -113,12 +113,16 @@ class Symmetry:
             found, subgroup = (*found, h), larger[h]
         return found
 
-    def symmetrise(self, f: np.ndarray) -> np.ndarray:
-        """(1/|G|) Σ_{h∈G} h·f, summed once for each orbit of points, so that it is exactly symmetric."""
+    def symmetrise(self, f: np.ndarray, in_place: bool = False) -> np.ndarray:
+        """(1/|G|) Σ_{h∈G} h·f, summed once for each orbit of points, so that it is exactly symmetric.
+
+        With ``in_place`` a contiguous ``f`` holds the result, too.
+        """
         if len(self) == 1:
             return f
-        result = np.empty(f.size, dtype=f.dtype)
-        _average(np.ravel(f), *_orbits(self, f.shape), result)
+        points = np.ravel(f)
+        result = points if in_place else np.empty(f.size, dtype=f.dtype)
+        _average(points, *_orbits(self, f.shape), result)
         return result.reshape(f.shape)
 
     def check(self, f: np.ndarray, what: str) -> None:

@@ -128,6 +128,7 @@ def test_help_names_every_command(type_):
         "open",
         "prune",
         "verify",
+        "tune",
         "cite",
     ):
         assert re.search(rf"^  {name} ", output, re.MULTILINE), name

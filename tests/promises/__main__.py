@@ -9,31 +9,38 @@ from pathlib import Path
 import click
 import pandas as pd
 
-from promises import damage, full_disks, kills, study_files, writers
+from promises import arguments, damage, full_disks, kills, study_files, writers
 from promises.trial import finished
 
 TABLE = Path(__file__).parents[2] / "docs/results/checks/promises.csv"
 
+
+def by_seed(trial):
+    """Trials that differ in their seed alone, each in a folder of its own."""
+
+    def trials(count, reference):
+        for seed in range(count):
+            with tempfile.TemporaryDirectory() as folder:
+                yield trial(seed, Path(folder), reference)
+
+    return trials
+
+
+def calls(names):
+    """Random calls of granstudy."""
+    return lambda count, reference: arguments.trials(names, count)
+
+
 ATTACKS = {
-    "kills": (kills, 200),
-    "full disks": (full_disks, 100),
-    "damaged files": (damage, 300),
-    "concurrent writers": (writers, 60),
-    "study files": (study_files, 2000),
+    "kills": (by_seed(kills.trial), 200),
+    "full disks": (by_seed(full_disks.trial), 100),
+    "damaged files": (by_seed(damage.trial), 300),
+    "concurrent writers": (by_seed(writers.trial), 60),
+    "study files": (by_seed(study_files.trial), 2000),
+    "arguments": (calls(arguments.ARGUMENTS), 2000),
+    "densities and laws": (calls(arguments.OWN_FUNCTIONS), 500),
 }
-"""Attacks by name, each with the number of its trials."""
-
-
-def attacked(attack, count, reference, first=0):
-    """Outcomes of so many trials with their numbers; each trial has a folder of its own."""
-    outcomes = Counter()
-    for seed in range(first, first + count):
-        with tempfile.TemporaryDirectory() as folder:
-            trial = attack.trial(seed, Path(folder), reference)
-        outcomes[trial.kept, trial.outcome] += 1
-        if not trial.kept:
-            click.echo(f"  seed {seed}: {trial.outcome}")
-    return outcomes
+"""Attacks by name: their trials, given how many and the folder of an undisturbed study; and how many."""
 
 
 @click.command()
@@ -49,9 +56,12 @@ def main(names, part):
     with tempfile.TemporaryDirectory() as folder:
         reference = finished(Path(folder))
         for name in names or ATTACKS:
-            attack, count = ATTACKS[name]
-            began = time.perf_counter()
-            outcomes = attacked(attack, max(1, round(part * count)), reference)
+            trials, count = ATTACKS[name]
+            began, outcomes = time.perf_counter(), Counter()
+            for number, trial in enumerate(trials(max(1, round(part * count)), reference)):
+                outcomes[trial.kept, trial.outcome] += 1
+                if not trial.kept:
+                    click.echo(f"  trial {number}: {trial.outcome}")
             kept = {text: n for (good, text), n in sorted(outcomes.items()) if good}
             broken = {text: n for (good, text), n in sorted(outcomes.items()) if not good}
             rows[name] = {

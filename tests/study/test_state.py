@@ -129,6 +129,21 @@ def test_an_experiment_is_complete_while_all_its_runs_are_there():
     assert not Path(study.complete("cooling")).exists()
 
 
+@pytest.mark.fault("B8")
+def test_each_time_that_runs_go_missing_is_another_reason_to_compute():
+    study = layout()
+    since, found = Path(study.since("cooling")), []
+    for _ in range(2):
+        prepare(study, "test.yaml", cores=1)
+        found.append(since.read_text())
+        prepare(study, "test.yaml", cores=1)  # as a dry run does
+        assert since.read_text() == found[-1]
+        compute(study)
+        prepare(study, "test.yaml", cores=1)
+        study.store.remove(study.study.members[0].key)
+    assert found[0] != found[1]
+
+
 def test_jobs_are_written_and_forgotten_when_their_runs_are_there():
     study = layout()
     (job,) = prepare(study, "test.yaml", cores=1)

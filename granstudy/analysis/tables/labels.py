@@ -40,6 +40,9 @@ NUMBERS = tuple(
 )
 """Numbers of a random run (`granstudy.runs.labels.labelled`)."""
 
+FLAGS = ("ended", "trust", "status")
+"""Flags of a random run."""
+
 QUANTILES = (0.0, 0.01, 0.05, 0.5, 0.95, 0.99, 1.0)
 """Quantiles of estimate over error that are shown."""
 
@@ -71,7 +74,7 @@ def labels_columns(
     error, NaN where the error is not surely above 1e-6.
     """
     runs = [row.run for row in rows]
-    table = xr.Dataset({name: last[name].variable for name in (*NUMBERS, "trust", "status")})
+    table = xr.Dataset({name: last[name].variable for name in (*NUMBERS, *FLAGS)})
     found = [_judged(run, table.isel(run=i)) for i, run in enumerate(runs)]
     for quantity in QUANTITIES:
         ratios = [np.nan if one is None else getattr(one.ratios, quantity) for one in found]
@@ -95,7 +98,7 @@ def _judged(run: Run, row: xr.Dataset) -> Judged | None:
         return None
     return Judged(
         Trust(int(row["trust"])),
-        bool(row["ended"]) if "ended" in row else True,
+        bool(row["ended"]),
         Errors(*(float(row[f"largest_{name}_error"]) for name in QUANTITIES)),
         Errors(*(float(row[f"{name}_error_estimate"]) for name in QUANTITIES)),
         Errors(*(float(row[f"{name}_known_to"]) for name in QUANTITIES)),

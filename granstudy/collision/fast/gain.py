@@ -92,16 +92,17 @@ class GainSum:
         self._weights = nodes.weights / grid.N**grid.dim  # transforms are unnormalised
         k2, place = np.unique(grid.wavenumber_squared(half=True), return_inverse=True)
         self._place = place.reshape(grid.N, -1).astype(np.uint32)
-        self._f = aligned_zeros((grid.N * self.shape[1], grid.N), self.real)
         self._f_re, self._f_im = (aligned_zeros(self._place.shape, self.real) for _ in range(2))
         # Real and imaginary parts apart, which loops add to fastest.
         self._gains = aligned_zeros((len(self.shares), 2, *self._place.shape), np.float64)
-        self._total = aligned_zeros(self._half_shape, np.complex128)
         self._sum = self._choose_weight(scene, k2)
         self._workers = Workers(
             min(threads, max(1, len(self.shares))),
             lambda: _PairBuffers(self.shape, precision),
         )
+        # The buffer of a thread that has summed is still in the cache.
+        idle = self._workers.workspaces[0].transforms.spectrum
+        self._total = idle if precision == "double" else np.empty(self._half_shape, np.complex128)
 
     def parts(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
         """The sum over each share, half spectra (shares, n, n', n/2+1).
@@ -120,12 +121,12 @@ class GainSum:
 
     def _sum_shares(self, f: np.ndarray, f_hat: np.ndarray) -> None:
         """Fill `_gains` with the sum over each share."""
-        self._f[...] = f.reshape(self._f.shape)
+        f = f.astype(self.real, copy=not f.flags.writeable).reshape(-1, self.grid.N)
         loops.separate(self._real_parts(f_hat), 1.0, self._f_re, self._f_im)
 
         def sum_share(item: tuple[Bounds, np.ndarray], work: "_PairBuffers") -> None:
             bounds, (gain_re, gain_im) = item
-            self._sum(slice(*bounds), work, gain_re, gain_im)
+            self._sum(slice(*bounds), work, f, gain_re, gain_im)
 
         self._workers.map(sum_share, list(zip(self.shares, self._gains, strict=True)))
 
@@ -159,9 +160,15 @@ class GainSum:
         return partial(self._sum_pairs, pair_shift(scene.restitution), means)
 
     def _sum_pairs(
-        self, beta: float, means: np.ndarray, part: slice, work: "_PairBuffers", *gain: np.ndarray
+        self,
+        beta: float,
+        means: np.ndarray,
+        part: slice,
+        work: "_PairBuffers",
+        f: np.ndarray,
+        *gain: np.ndarray,
     ) -> None:
-        share = self._share(part, work, *gain)
+        share = self._share(part, work, f, *gain)
         loops.sum_pairs(beta, means, work.sum_re, work.sum_im, *share)
 
     def _sum_series(
@@ -171,17 +178,18 @@ class GainSum:
         radii: np.ndarray,
         part: slice,
         work: "_PairBuffers",
+        f: np.ndarray,
         *gain: np.ndarray,
     ) -> None:
-        loops.sum_series(series, k2, radii, *self._share(part, work, *gain))
+        loops.sum_series(series, k2, radii, *self._share(part, work, f, *gain))
 
     def _share(
-        self, part: slice, work: "_PairBuffers", *gain: np.ndarray
+        self, part: slice, work: "_PairBuffers", f: np.ndarray, *gain: np.ndarray
     ) -> tuple[np.ndarray, ...]:
         """Arguments of the sum over a part of the nodes that do not depend on the weight."""
         nodes, transforms = self.nodes, work.transforms
         return (
-            *(self._f_re, self._f_im, self._f),
+            *(self._f_re, self._f_im, f),
             *(nodes.vectors[part], self._weights[part], nodes.shells[part], self._place),
             *(transforms.parts, transforms.rows, transforms.plans, *gain),
         )

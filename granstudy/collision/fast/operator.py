@@ -74,7 +74,7 @@ class NodalOperator:
         with self._one_at_a_time:
             Q = self._evaluate(np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape))
         # The loss has the symmetry already. Symmetrised with the gain, its round-off has it too.
-        return self.group.symmetrise(Q.reshape(self.grid.shape))
+        return self.group.symmetrise(Q.reshape(self.grid.shape), in_place=True)
 
     def _evaluate(self, f: np.ndarray) -> np.ndarray:
         """Q(f,f) before it is symmetrised."""

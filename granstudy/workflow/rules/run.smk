@@ -44,6 +44,7 @@ for name, waited in receipts_by_experiment().items():
             "../envs/granstudy.yaml"
         params:
             awaited=LAYOUT.awaited(name),
+            since=Path(LAYOUT.since(name)).read_text(),
         message:
             f"runs of {name}"
         shell:

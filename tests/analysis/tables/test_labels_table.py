@@ -16,14 +16,14 @@ experiments:
     title: random runs
     run: labels
     sweep:
-      - {seed: [2, 6, 11]}
+      - {seed: [2, 6, 89]}
     table: {quantity: largest_temperature_error}
 """
 
 
 def test_every_run_is_a_row_with_its_kind_and_label(made):
     table = made.tables["labels"]
-    assert table["seed"].values.tolist() == [2, 6, 11]
+    assert table["seed"].values.tolist() == [2, 6, 89]
     assert (table["status"] == Status.OK).all()
     assert set(table["trust"].values) <= {int(trust) for trust in Trust}
     assert (table["broken"] == "").all()
@@ -34,6 +34,17 @@ def test_every_run_is_a_row_with_its_kind_and_label(made):
     estimate, error = table["temperature_error_estimate"], table["largest_temperature_error"]
     known = np.isfinite(table["temperature_ratio"])
     assert (table["temperature_ratio"] == estimate / error.clip(max=0.1))[known].all()
+
+
+def test_a_run_that_stopped_is_counted_apart_and_its_estimates_are_not_judged(made):
+    table = made.tables["labels"]
+    assert table["ended"].values.tolist() == [True, True, False]
+    assert np.isnan(table["temperature_ratio"][2]) and table["largest_temperature_error"][2] > 1.0
+    [line] = [line for line in markdown_labels(table).splitlines() if "**all**" in line]
+    # runs; trusted, marginal, untrusted; stopped, failed
+    counts = [int(cell) for cell in line.split("|")[4:10]]
+    assert counts[0] == sum(counts[1:]) == 3
+    assert counts[4:] == [1, 0]
 
 
 def test_its_plan_has_the_same_columns(made):
@@ -68,7 +79,7 @@ def test_a_run_that_failed_is_counted_apart(made):
     table = made.tables["labels"].copy(deep=True)
     table["status"][2] = Status.FAILED
     text = markdown_labels(table)
-    assert "Seeds of runs that failed, a tolerance that their grid cannot hold: 11." in text
+    assert "Seeds of runs that failed, a tolerance that their grid cannot hold: 89." in text
 
 
 def test_the_csv_has_a_line_a_run(made):
@@ -79,9 +90,9 @@ def test_the_csv_has_a_line_a_run(made):
 
 def test_random_runs_sweep_their_seed_alone(load):
     with pytest.raises(ValueError, match="random runs sweep seed alone"):
-        load("seed: [2, 6, 11]", "N: [8]")
+        load("seed: [2, 6, 89]", "N: [8]")
     with pytest.raises(ValueError, match="seed=-1: must be an integer of at least 0"):
-        load("[2, 6, 11]", "[-1]")
+        load("[2, 6, 89]", "[-1]")
 
 
 @pytest.mark.parametrize("asked", ["fit: {law: order, x: seed}", "figure: {kind: gallery}"])
