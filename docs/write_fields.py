@@ -42,6 +42,7 @@ SECTIONS = {
     "TimeModel": "Time",
     "TimesModel": "Times",
     "RefineModel": "Refine",
+    "AccuracyModel": "Accuracy",
     "TruthModel": "Truth",
     "TableModel": "Table",
     "EvolutionTableModel": "Table of an evolution",

@@ -85,7 +85,7 @@ def test_readmes_study_is_the_one_that_granstudy_new_writes():
     assert yaml.safe_load(study) == yaml.safe_load(template.read_text("utf-8"))
 
 
-@pytest.mark.parametrize("name", ["fields", "gallery"])
+@pytest.mark.parametrize("name", ["fields", "gallery", "promises"])
 def test_pages_that_are_written_are_due(name, monkeypatch):
     monkeypatch.syspath_prepend(str(ROOT / "docs"))
     written = importlib.import_module(f"write_{name}").page()

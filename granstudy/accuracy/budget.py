@@ -14,18 +14,22 @@ from granstudy.accuracy.asked import Accuracy
 from granstudy.trust.changes import Change
 from granstudy.trust.error_estimate import Balance
 
-GRID_SHARE = 0.5
+GRID_SHARE = 0.7
 """Part of the asked errors for what the grid and its quadrature do: truncation, aliasing, angles, radii, the
 motion of a rescaled frame."""
 
-STEP_SHARE = 0.25
+STEP_SHARE = 0.1
 """Part for the steps in time."""
 
 MOVE_SHARE = 0.1
 """Part for each change of the grid, and for going on with the isotropic part."""
 
-SHAPE_SHARE = 0.5
-"""Part of the grid's share of T that errors of the shape may use, which change the rate of cooling."""
+SHAPE_SHARE = 0.6
+"""Part of the grid's share of T that errors of a2 may use, which change the rate of cooling; and other
+errors of the shape. Both are rarely used at once."""
+
+DIRECT_SHARE = 0.2
+"""Part of the grid's share of T for errors of T itself: there are few, as Q has the exact energy."""
 
 LEAST_LEFT = 0.25
 """Least part of a share that a source may go on to use, whatever was used before."""
@@ -75,13 +79,17 @@ def allowed_growth(asked: Accuracy, balance: Balance, spent: Change, left: float
     # an error y of a2 makes T grow off at the rate shape·y, to shape·y/forgetting
     coupling = balance.shape / forgetting
     a2 = asked.a2 if coupling == 0.0 else min(asked.a2, SHAPE_SHARE * asked.temperature / coupling)
-    temperature = _left(share, spent.temperature * np.exp(-balance.forgetting * left)) / 2
-    other = np.inf
+    temperature = _left(share, spent.temperature * np.exp(-balance.forgetting * left))
+    temperature *= DIRECT_SHARE
+    a2_growth = _left(GRID_SHARE * a2, spent.a2 * np.exp(-balance.relaxing * left)) * relaxing
+    # Where energy is wrong, a2 is wrong as well, unless by chance.
+    other = a2_growth
     if balance.cooling > 0.0:
-        other = SHAPE_SHARE * share * forgetting * relaxing / balance.cooling
+        most = SHAPE_SHARE * share * forgetting * relaxing / balance.cooling
+        other = min(other, most)
     return Allowed(
         temperature=temperature * forgetting,
-        a2=_left(GRID_SHARE * a2, spent.a2 * np.exp(-balance.relaxing * left)) * relaxing,
+        a2=a2_growth,
         other=float(other),
         step_temperature=STEP_SHARE * asked.temperature * forgetting,
         step_a2=STEP_SHARE * a2 * relaxing,

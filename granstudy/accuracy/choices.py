@@ -14,6 +14,7 @@ from granstudy.accuracy.grids.sources import Initial, Present, Source, shape_err
 from granstudy.accuracy.grids.truncation import Truncation, truncation, without_noise
 from granstudy.accuracy.leg import Gas, Leg, Need, Tried
 from granstudy.evolution.frames.rescaled import Place
+from granstudy.support.errors import ToleranceError
 from granstudy.trust.changes import Change
 from granstudy.trust.error_estimate import Balance
 from granstudy.velocity.cartesian import VelocityGrid
@@ -102,7 +103,10 @@ class Chooser:
             scene = replace(self._gas.scene, restitution=leg.frame.restitution(state))
             cut = truncation(scene, leg.grid, without_noise(f, leg.grid))
             search = Search(self._gas, source, place, need, cut, TARGET, self._memory)
-            tried = search.go_on(leg, ratio)
+            try:
+                tried = search.go_on(leg, ratio)
+            except ToleranceError:
+                tried = Tried(leg, f, ratio, now)
         else:
             tried = self._radial(leg, source, place, need)
         if tried.ratio > WORTH_IT * ratio:

@@ -10,9 +10,12 @@ from granstudy.accuracy.run import Outcome
 from granstudy.datasets.parameters import parameter
 from granstudy.datasets.run_dataset import Header
 from granstudy.evolution.dataset import evolution_dataset
-from granstudy.support.variables import labelled
-from granstudy.trust.flags import Status
+from granstudy.support.variables import Variable, labelled
+from granstudy.trust.flags import Status, Trust, flag_variable
 from granstudy.velocity.radial import RadialGrid
+
+UNTRUSTED = 3.0
+"""Estimated error over the error asked for, above which a run is untrusted."""
 
 LEG_VARIABLES = {
     "leg_start": "time at which the leg began",
@@ -96,9 +99,24 @@ def accuracy_dataset(
         "choices": json.dumps(choices, sort_keys=True),
         "steps": json.dumps(outcome.steps, sort_keys=True),
     }
-    if missed:
-        attrs["needed"] = "; ".join([*missed, *filter(None, [outcome.needed])])
+    reasons = "; ".join([*missed, *filter(None, [outcome.needed])]) if missed else ""
+    if reasons:
+        attrs["needed"] = reasons
+    off = max(error / getattr(asked, name) for name, error in reached.items())
+    ds["trust"] = _trust(off, outcome.record.status, reasons)
     return ds.assign_attrs(attrs)
+
+
+def _trust(off: float, status: Status, reasons: str) -> Variable:
+    """The label of a run, by its largest error over the error asked for.
+
+    It is trusted where that is at most 1, untrusted above `UNTRUSTED` and where the run had to stop.
+    """
+    trust = Trust.TRUSTED if off <= 1.0 else Trust.MARGINAL if off <= UNTRUSTED else Trust.UNTRUSTED
+    if status is not Status.OK:
+        trust = Trust.UNTRUSTED
+    long_name = "how far temperature and kurtosis can be trusted to be as accurate as asked"
+    return flag_variable(trust, long_name, reasons=reasons)
 
 
 def _largest(ds: xr.Dataset, name: str) -> float:

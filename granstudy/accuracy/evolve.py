@@ -41,7 +41,7 @@ def evolve_to(
     scene : Scene
     asked : Accuracy
     settings : TimeSettings
-        Final time and outputs (`granstudy.accuracy.times`).
+        Final time and outputs (`granstudy.accuracy.asked`).
     limits : Limits, optional
     progress : bool or callable, optional
         As of `granstudy.simulate`.

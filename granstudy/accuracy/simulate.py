@@ -6,9 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from granstudy.accuracy.asked import Accuracy
+from granstudy.accuracy.asked import Accuracy, accurate_times
 from granstudy.accuracy.evolve import Limits, evolve_to
-from granstudy.accuracy.times import accurate_times
 from granstudy.evolution.simulate import simulate_by
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver

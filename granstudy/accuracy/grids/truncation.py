@@ -21,7 +21,7 @@ class Truncation(NamedTuple):
     radii : ndarray, shape (n,)
         Increasing.
     temperature : ndarray, shape (n,)
-        |T'/T| by pairs with |g| above each radius.
+        Largest |T'/T| by pairs with |g| above each radius, or above any larger one.
     a2 : ndarray, shape (n,)
         Likewise of a2'/(1 + a2).
     """
@@ -93,4 +93,6 @@ def truncation(scene: Scene, grid: VelocityGrid, f: np.ndarray) -> Truncation:
     ]
     # pairs beyond the outer radius of a shell: the sum from the next shell on
     beyond = [np.append(rate[1:], 0.0) for rate in outside]
+    # A sum may vanish at one radius by chance: what counts is the largest from there on.
+    beyond = [np.maximum.accumulate(rate[::-1])[::-1] for rate in beyond]
     return Truncation(radii, *beyond)

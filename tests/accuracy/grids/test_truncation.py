@@ -22,8 +22,9 @@ def test_all_pairs_together_have_the_exact_rates():
     # All pairs but those within half a spacing, whose part is small.
     cooling = 2.0 * exact.energy / np.trace(m.pressure)
     assert cut.temperature[0] == pytest.approx(abs(cooling), rel=1e-3)
-    assert cut.a2[0] == pytest.approx(abs(exact.fourth / m.fourth - 2.0 * cooling), rel=1e-2)
-    assert np.all(np.diff(cut.temperature) <= 1e-4 * cut.temperature[0])
+    assert cut.a2[0] >= 0.99 * abs(exact.fourth / m.fourth - 2.0 * cooling)
+    assert np.all(np.diff(cut.temperature) <= 0.0)
+    assert np.all(np.diff(cut.a2) <= 0.0)
 
 
 @pytest.mark.parametrize("R", [5.5, 6.5])
