@@ -85,7 +85,7 @@ def test_readmes_study_is_the_one_that_granstudy_new_writes():
     assert yaml.safe_load(study) == yaml.safe_load(template.read_text("utf-8"))
 
 
-@pytest.mark.parametrize("name", ["fields", "gallery", "promises"])
+@pytest.mark.parametrize("name", ["fields", "gallery", "notebooks", "promises"])
 def test_pages_that_are_written_are_due(name, monkeypatch):
     monkeypatch.syspath_prepend(str(ROOT / "docs"))
     written = importlib.import_module(f"write_{name}").page()
@@ -113,3 +113,10 @@ def test_dir_gives_public_names_only():
     assert not [name for name in dir(gs) if name.startswith("_")]
     modules = [name for name in dir(gs) if type(getattr(gs, name)).__name__ == "module"]
     assert modules == ["theory"]
+
+
+def test_the_pictures_of_notebooks_are_theirs(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "docs"))
+    written = importlib.import_module("write_notebooks")
+    for path in written.NOTEBOOKS:
+        assert (written.PICTURES / f"{path.stem}.png").read_bytes() == written.picture(path)

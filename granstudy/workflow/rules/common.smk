@@ -88,6 +88,7 @@ localrules:
     figure,
     map,
     notebook,
+    notebooks,
     page,
 
 

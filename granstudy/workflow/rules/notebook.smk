@@ -1,4 +1,13 @@
 # The analysis a user would do, executed on the study's real datasets.
+# Notebooks that need no results: `snakemake notebooks`. Not part of `all`.
+EXAMPLES = glob_wildcards("notebooks/{name,[0-9]_[^/]+}.ipynb").name
+
+
+rule notebooks:
+    input:
+        expand(f"{RESULTS}/notebooks/{{name}}.ipynb", name=EXAMPLES),
+
+
 rule notebook:
     input:
         notebook="notebooks/{name}.ipynb",

@@ -19,6 +19,7 @@ from granstudy.analysis.source import FigureSource
 from granstudy.analysis.tables.planned import HAVE
 from granstudy.datasets.netcdf import read_dataset
 from granstudy.datasets.open_runs import open_runs
+from granstudy.datasets.parameters import PARAMETERS
 from granstudy.states.dataset import QUANTITIES
 from granstudy.support.errors import unknown_name
 
@@ -26,14 +27,22 @@ TIME = "time"
 
 
 def runs_of(source: FigureSource) -> xr.Dataset:
-    """The runs of an experiment with the swept parameters, and the table's numbers of them, as dimensions."""
+    """The runs of an experiment over its swept parameters, with the table's numbers of them.
+
+    What the runs chose for themselves, such as N for an accuracy, tells no line from another.
+    """
     runs = open_runs(source.row_files)
     table = source.table
     swept = {name: table[name].variable for name in table.attrs["swept"].split()}
     more = {
         n: v.variable for n, v in table.data_vars.items() if n not in runs and v.dims == ("run",)
     }
-    runs = runs.drop_vars([n for n in swept if n in runs], errors="ignore")
+    chosen = [
+        n
+        for n, c in runs.coords.items()
+        if c.dims == ("run",) and n in PARAMETERS and n not in swept
+    ]
+    runs = runs.reset_coords(chosen).drop_vars([n for n in swept if n in runs], errors="ignore")
     return over_parameters(runs.assign_coords(swept).assign(more))
 
 

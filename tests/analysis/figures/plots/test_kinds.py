@@ -108,3 +108,26 @@ def test_a_map_of_more_than_two_parameters_is_refused(tmp_path):
     text = replaced(text, "{kind: quantity, quantity: a2}", "{kind: map, x: e, y: N}")
     with pytest.raises(ValueError, match="the runs differ in R too"):
         check_requests(load_text(tmp_path, text))
+
+
+def test_what_runs_chose_for_themselves_tells_no_line_from_another(tmp_path):
+    """The grids of two accuracies differ; the legend has what is swept."""
+    said = {
+        "title": "test",
+        "experiments": {
+            "cooling": {
+                "title": "cooling",
+                "run": "evolution",
+                "scene": {"name": "maxwellian2d", "exponent": 1.0, "diffusion": 0.0, "e": 0.5},
+                "time": {"t_final": 1.0},
+                "sweep": [{"accuracy": [1e-2, 1e-5]}],
+                "table": {"quantity": "temperature"},
+                "figure": {"kind": "cooling"},
+            }
+        },
+    }
+    study = gs.open_study(said, results=tmp_path)
+    study.compute(workers=1, progress=False)
+    assert len(set(study.dataset("cooling")["N"].values)) == 2
+    (legend,) = study.figure("cooling").legends
+    assert not [text for text in legend.get_texts() if "N" in text.get_text()]
