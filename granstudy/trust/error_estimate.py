@@ -25,6 +25,10 @@ STEPS_COUNT = 2.0
 """Factor on the estimated errors of steps, which are right for one rate of change alone."""
 
 
+LAW_EXPONENT = 1.0
+"""What a law of restitution adds to λ where the shape changes the rate of cooling: 1 − e² is taken to grow
+like the speed at most. That of viscoelastic particles grows like its fifth root."""
+
 LARGEST = 1.0
 """Largest error that is estimated, and that counts for other errors: beyond it the gas is lost."""
 
@@ -315,14 +319,15 @@ def balance_of(
 
     A mass other than the gas's makes all collisions faster or slower by the same factor. A Q whose energy had
     to be changed is wrong elsewhere as well: its relative rate of energy, ``removed``, is taken as that of an
-    error of the shape.
+    error of the shape. With a law e(v), the rate of cooling depends on the shape for Maxwell molecules, too.
     """
+    felt = exponent + LAW_EXPONENT if callable(restitution) else exponent
     return Balance(
         temperature=abs(now.temperature) + mass_error * abs(now.cooling),
         a2=abs(now.a2) + mass_error * abs(now.shaping),
         other=abs(removed),
-        shape=abs(now.cooling) * (theory.cooling_correction(exponent, 1.0) - 1.0),
-        cooling=abs(now.cooling) * exponent / 2,
+        shape=abs(now.cooling) * (theory.cooling_correction(felt, 1.0) - 1.0),
+        cooling=abs(now.cooling) * felt / 2,
         forgetting=heating - exponent / 2 * now.cooling,
         relaxing=2 * heating + a2_relaxation(restitution, dim, exponent) * now.frequency,
     )

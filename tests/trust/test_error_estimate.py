@@ -5,7 +5,7 @@ import pytest
 
 import granstudy as gs
 from granstudy.trust.changes import change_of_moments
-from granstudy.trust.error_estimate import between, grown
+from granstudy.trust.error_estimate import Imbalance, balance_of, between, grown
 from granstudy.trust.flags import Trust
 from granstudy.trust.truth import errors, truth_of_dataset
 
@@ -136,3 +136,12 @@ def test_an_error_grows_and_is_forgotten(forgetting):
         k = a + (b - a) * s
         y = (y * (1 - forgetting * h / (2 * n)) + k * h / n) / (1 + forgetting * h / (2 * n))
     assert grown(0.1, a, b, forgetting, h) == pytest.approx(y, rel=1e-6)
+
+
+def test_a_law_makes_cooling_depend_on_the_shape_of_maxwell_molecules_too():
+    now = Imbalance(temperature=0.0, a2=1e-3, cooling=-0.1, frequency=1.0, shaping=0.0)
+    fixed = balance_of(now, 0.0, 0.0, 0.9, 2, 0.0, 0.0)
+    law = balance_of(now, 0.0, 0.0, gs.Viscoelastic(0.2), 2, 0.0, 0.0)
+    assert fixed.shape == 0.0 and law.shape == pytest.approx(0.1 * 3 / 16)
+    assert fixed.cooling == 0.0 and law.cooling == pytest.approx(0.05)
+    assert (law.temperature, law.a2, law.forgetting) == (0.0, 1e-3, 0.0)
