@@ -83,7 +83,7 @@ def finished(folder):
 
 def digests(folder):
     """SHA-256 of every run in the store, by its key; the sidecars vary."""
-    files = sorted((Path(folder) / "results/.runs").glob("??/*.nc"))
+    files = sorted((Path(folder) / "results/.runs").glob("??/[!.]*.nc"))
     return {file.stem: hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
 
 
