@@ -68,7 +68,8 @@ def is_isotropic(ds: xr.Dataset) -> bool:
 
 def truth(scene: gs.Scene, t_final: float, times: np.ndarray, isotropic: bool) -> Truth:
     """The exact law, or a finer run."""
-    if scene.kernel.exponent == 0.0 and scene.moments is not None:
+    by_law = scene.kernel.exponent == 0.0 and not callable(scene.restitution)
+    if by_law and scene.moments is not None:
         return maxwell_truth(scene, np.array([0.0, *times, t_final]))
     unit = float(np.sqrt(scene.moments.temperature)) if scene.moments is not None else 1.0
     fixed = callable(scene.restitution) or (scene.restitution == 1.0 and scene.diffusion == 0.0)
