@@ -116,3 +116,14 @@ def test_a_solver_may_ask_for_an_accuracy_and_then_for_nothing_else():
         gs.Solver(N=16, R=7.0, accuracy=1e-4)
     with pytest.raises(ValueError, match="choose their grids"):
         gs.collision_operator(hard(), solver)
+
+
+def test_a_loose_accuracy_does_not_shrink_the_box_of_an_elastic_gas():
+    scene = gs.load_scene(
+        "two_beams2d", kernel=gs.maxwell(2), restitution=1.0, separation=2.0, temperature=0.8
+    )
+    ds = quiet(scene, accuracy=0.1, t_final=0.5)
+    off = errors(ds, maxwell_truth(scene, ds["time"].values))
+    assert off.temperature <= 0.1
+    assert off.a2 <= 0.1
+    assert ds["leg_R"].values[0] > 3.0

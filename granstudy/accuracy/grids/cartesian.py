@@ -23,6 +23,7 @@ from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver, Solver
 from granstudy.support.errors import ToleranceError
 from granstudy.trust.changes import Change, change_of_moments
+from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.symmetry import Symmetry
 
 POINTS = {
@@ -46,6 +47,16 @@ rtol from 1e-2 to 3e-4: 0.1 to 1.2, and 0.07 to 0.45."""
 
 SMALLEST_RTOL, LARGEST_RTOL = 1e-9, 2e-2
 """Tolerances of the quadrature."""
+
+MOST_EXCHANGE, EXCHANGE_PER_A2 = 0.02, 10.0
+"""Largest part of the exchange of all pairs that a radius cuts off: a number, and times the allowed growth of
+a2. In a gas that cools, the rates of T and a2 ask for a larger radius; in an elastic gas they may be 0."""
+
+HOLDING = {2: 64, 3: 40}
+"""Points a dimension of the grids on which a box is tried, by dimension."""
+
+WIDER = 1.06
+"""Factor between boxes that are tried."""
 
 ACCEPTED = 0.8
 """Growth of errors over the allowed growth with which an operator is taken: the quadrature's part falls as
@@ -127,9 +138,7 @@ class Search:
         if self._predicted(now) <= BLAMELESS * ratio:
             self._rtol = min(now.rtol, max(now.rtol / (2.0 * ratio), SMALLEST_RTOL))
             return self._improve(self._solver(now.N, now.R))
-        other, a2 = self._cut.at(now.R)
-        allowed = self._need.allowed
-        if max(other / allowed.other, a2 / allowed.a2) > self._target:
+        if self._cut_off(now.R) > self._target:
             R = min(self._radius(), LARGEST_GROWTH * now.R)
             N = 2 * int(np.ceil(now.N * R / now.R / 2))
             if N > now.N and self._fits(N):
@@ -180,9 +189,28 @@ class Search:
         return None if best is None else best[1]
 
     def _radius(self) -> float:
-        """The radius at which truncation alone is allowed."""
+        """The radius at which truncation alone is allowed, and whose box holds the density."""
         part, allowed = TRUNCATION_PART * self._target, self._need.allowed
-        return self._cut.radius(part * allowed.other, part * allowed.a2)
+        R = self._cut.radius(part * allowed.other, part * allowed.a2, self._exchange)
+        dim = self._gas.scene.dim
+        while self._cut.radii[-1] > R:
+            grid = VelocityGrid(dim, HOLDING[dim], R)
+            if self._need.lost_ratio(self._source.lost(grid)) <= self._target:
+                break
+            R *= WIDER
+        return R
+
+    def _cut_off(self, R: float) -> float:
+        """What a radius cuts off, over what is allowed."""
+        other, a2, exchange = self._cut.at(R)
+        allowed = self._need.allowed
+        beyond = self._target * exchange / self._exchange
+        return max(other / allowed.other, a2 / allowed.a2, beyond)
+
+    @property
+    def _exchange(self) -> float:
+        """Largest part of the exchange of all pairs that a radius may cut off."""
+        return min(MOST_EXCHANGE, EXCHANGE_PER_A2 * self._need.allowed.a2)
 
     def _predicted(self, solver: SizedSolver) -> float:
         """Growth of errors by truncation and aliasing, over the allowed growth."""
@@ -192,8 +220,7 @@ class Search:
         if grid.spectral_tail(f) > UNRESOLVED:
             return np.inf
         lost = self._need.lost_ratio(self._source.lost(grid))
-        other, a2 = self._cut.at(solver.R)
-        cut = max(other / allowed.other, a2 / allowed.a2)
+        cut = self._cut_off(solver.R)
         if max(cut, lost) > self._target:
             return max(cut, lost)
         aliased = aliasing_rates(scene, solver, f)

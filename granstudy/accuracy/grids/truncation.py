@@ -24,22 +24,26 @@ class Truncation(NamedTuple):
         Largest |T'/T| by pairs with |g| above each radius, or above any larger one.
     a2 : ndarray, shape (n,)
         Likewise of a2'/(1 + a2).
+    exchange : ndarray, shape (n,)
+        Part of Σ|g|^{2+λ} over all pairs by those beyond. Elastic collisions change neither T nor, of some
+        gases, a2; a radius must hold their pairs all the same.
     """
 
     radii: np.ndarray
     temperature: np.ndarray
     a2: np.ndarray
+    exchange: np.ndarray
 
-    def at(self, R: float) -> tuple[float, float]:
-        """Both at the largest of the radii that is at most R; infinite below all."""
+    def at(self, R: float) -> tuple[float, float, float]:
+        """All three at the largest of the radii that is at most R; infinite below all."""
         place = int(np.searchsorted(self.radii, R, side="right")) - 1
         if place < 0:
-            return np.inf, np.inf
-        return float(self.temperature[place]), float(self.a2[place])
+            return np.inf, np.inf, np.inf
+        return float(self.temperature[place]), float(self.a2[place]), float(self.exchange[place])
 
-    def radius(self, temperature: float, a2: float) -> float:
-        """The least radius at which both rates are at most these."""
-        fits = (self.temperature <= temperature) & (self.a2 <= a2)
+    def radius(self, temperature: float, a2: float, exchange: float) -> float:
+        """The least radius at which both rates, and the exchange, are at most these."""
+        fits = (self.temperature <= temperature) & (self.a2 <= a2) & (self.exchange <= exchange)
         return float(self.radii[int(np.argmax(fits))] if fits.any() else self.radii[-1])
 
 
@@ -85,11 +89,13 @@ def truncation(scene: Scene, grid: VelocityGrid, f: np.ndarray) -> Truncation:
     second = float(np.trace(m.pressure))
     cooling = energy / second
     shaping = 0.5 * fourth / m.fourth - 2.0 * cooling
+    exchange = np.maximum(squares, 0.0) * speeds ** (2.0 + scene.kernel.exponent)
+    exchange /= exchange.sum()
     shell = (2.0 * speeds / grid.spacing).astype(int)
     radii = (np.arange(shell[-1] + 1) + 1) * grid.spacing / 2
     outside = [
         np.abs(np.cumsum(np.bincount(shell, weights=rate)[::-1])[::-1])
-        for rate in (cooling, shaping)
+        for rate in (cooling, shaping, exchange)
     ]
     # pairs beyond the outer radius of a shell: the sum from the next shell on
     beyond = [np.append(rate[1:], 0.0) for rate in outside]

@@ -45,8 +45,19 @@ def test_the_radius_is_the_least_one_that_does():
     scene = gs.load_scene("maxwellian2d", kernel=gs.hard_spheres(2), restitution=0.5)
     grid = gs.VelocityGrid(2, 64, 12.0)
     cut = truncation(scene, grid, scene.density(grid))
-    R = cut.radius(1e-4, 1e-3)
+    R = cut.radius(1e-4, 1e-3, 1.0)
     assert cut.at(R)[0] <= 1e-4
     assert cut.at(R)[1] <= 1e-3
     before = cut.at(R - grid.spacing / 2)
     assert before[0] > 1e-4 or before[1] > 1e-3
+
+
+def test_a_radius_holds_the_pairs_of_an_elastic_gas_too():
+    scene = gs.load_scene("two_beams2d", kernel=gs.maxwell(2), restitution=1.0, separation=2.0)
+    grid = gs.VelocityGrid(2, 64, 14.0)
+    cut = truncation(scene, grid, scene.density(grid))
+    assert cut.temperature.max() < 1e-12  # no collision changes T
+    assert cut.radius(1.0, 1.0, 1.0) < 1.0
+    held = cut.radius(1.0, 1.0, 1e-3)
+    assert held > 5.0
+    assert cut.at(held)[2] <= 1e-3
