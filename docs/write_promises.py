@@ -140,26 +140,28 @@ def _tests() -> str:
 
 
 def _faults() -> str:
-    content = tomllib.loads((TESTS / "faults.toml").read_text(encoding="utf-8"))
-    tests = _marked()
+    tests = marked()
     lines = ["## Faults that were found once\n", "Each has tests that keep it from coming back.\n"]
     lines += ["| | what holds now | tests |", "| --- | --- | ---: |"]
-    for table in content.values():
-        lines += [
-            f"| {name} | {said} | {len(tests.get(name, ()))} |" for name, said in table.items()
-        ]
+    lines += [f"| {name} | {said} | {len(tests[name])} |" for name, said in faults().items()]
     return "\n".join([*lines, ""])
 
 
-def _marked() -> dict[str, list[str]]:
-    """Tests of each fault by its name."""
+def faults() -> dict[str, str]:
+    """Sentence of each fault by its name."""
+    content = tomllib.loads((TESTS / "faults.toml").read_text(encoding="utf-8"))
+    return {name: said for table in content.values() for name, said in table.items()}
+
+
+def marked() -> dict[str, list[str]]:
+    """Functions that are marked as tests of each fault, by its name."""
     found: dict[str, list[str]] = {}
     for path in sorted(TESTS.rglob("test_*.py")):
         for node in ast.parse(path.read_text(encoding="utf-8")).body:
             for decorator in getattr(node, "decorator_list", ()):
                 if ast.unparse(decorator).startswith("pytest.mark.fault("):
                     for name in map(ast.literal_eval, decorator.args):
-                        found.setdefault(name, []).append(node.name)
+                        found.setdefault(name, []).append(f"{path.relative_to(TESTS)}::{node.name}")
     return found
 
 

@@ -2,12 +2,17 @@
 
 import copy
 import random
+import warnings
 from contextlib import suppress
 from pathlib import Path
 
 import yaml
+from bounded import bounded
 
+from granstudy.analysis.requests import check_requests
+from granstudy.study.jobs import jobs
 from granstudy.study.schema.words import SWEPT
+from granstudy.study.study import load_study
 
 SHIPPED = Path(__file__).parents[1] / "studies"
 
@@ -291,3 +296,29 @@ def _scrambled(chance, text):
             return "\n".join(lines)
         case _:
             return text[:place]
+
+
+def verdict(text, folder):
+    """ "" for a study that is planned whole, else what it is told: lines that name the file.
+
+    Raises
+    ------
+    AssertionError
+        For an error that is none of ours.
+    """
+    (folder / "my_gas.py").write_text(OWN_CODE)
+    (folder / "nodes.txt").write_text("1 0 0\n-1 0 0\n")
+    path = folder / "random.yaml"
+    path.write_bytes(text.encode("utf-8", "surrogatepass"))
+    with bounded(), warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", "epsilon: is called", FutureWarning)
+        try:
+            study = load_study(path)
+            check_requests(study, path)
+        except ValueError as error:
+            assert type(error) is ValueError, f"{type(error)} is none of ours"
+            assert all(line.startswith(str(path)) for line in str(error).splitlines()), str(error)
+            return str(error)
+        jobs([[member] for member in study.members], 2)
+    return ""

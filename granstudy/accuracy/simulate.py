@@ -2,13 +2,16 @@
 
 import os
 from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from granstudy.accuracy.asked import Accuracy, accurate_times
 from granstudy.accuracy.evolve import Limits, evolve_to
-from granstudy.evolution.simulate import simulate_by
+from granstudy.evolution.simulate import advance
+from granstudy.evolution.times import TimeSettings
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.support.checks import check_positive
@@ -130,7 +133,7 @@ def simulate(
     By method `dsmc`, times only say when moments are recorded; frame and conservation have no meaning there
     and are refused.
     """
-    chosen = {
+    chosen: dict[str, Any] = {
         "dt": dt,
         "time_rtol": time_rtol,
         "frame": frame,
@@ -144,20 +147,10 @@ def simulate(
         for name, value in limits.items():
             if value is not None:
                 raise ValueError(f"{name}={value!r}: only with an accuracy, not with a solver")
-        ds = simulate_by(
-            scene,
-            solver,
-            t_final=t_final,
-            dt=dt,
-            time_rtol=time_rtol,
-            times=times,
-            frame=frame,
-            scheme=scheme,
-            conserve=conserve,
-            save_every=save_every,
-            progress=progress,
-            checkpoint=checkpoint,
-        )
+        given = TimeSettings(t_final, times=times, save_every=save_every, **chosen)
+        ds = advance(scene, solver, given, progress, checkpoint)
+        if checkpoint is not None:
+            Path(checkpoint).unlink(missing_ok=True)
         warn_of_trust(ds)
         return ds
     for name, value in limits.items():
@@ -167,8 +160,8 @@ def simulate(
         raise ValueError(f"checkpoint={checkpoint!r}: not beside accuracy; give a solver")
     threads = None if solver is None else solver.threads
     settings = accurate_times(t_final, times, save_every, **chosen)
-    given = Limits(max_seconds or np.inf, max_memory or np.inf, threads)
-    ds = evolve_to(scene, asked, settings, given, progress)
+    most = Limits(max_seconds or np.inf, max_memory or np.inf, threads)
+    ds = evolve_to(scene, asked, settings, most, progress)
     warn_of_trust(ds)
     return ds
 

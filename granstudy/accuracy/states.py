@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -101,11 +102,7 @@ def cooling_state(
     ValueError
         For a scene without such a state, or a solver that cannot find it, before any work starts.
     """
-    asked = accuracy_asked(solver, accuracy)
-    if asked is not None:
-        return state_to(scene, asked, "cooling", tolerance, max_iterations, progress)
-    assert solver is not None
-    return FIND["cooling"](scene, solver, tolerance, max_iterations, progress)
+    return _state("cooling", scene, solver, accuracy, tolerance, max_iterations, progress)
 
 
 def heated_state(
@@ -125,11 +122,18 @@ def heated_state(
     Parameters, returned dataset and errors are as of `cooling_state`, with two differences: ε must be
     above 0, and `tail_slope` is −d ln f/d c^{1+λ/2}.
     """
+    return _state("heated", scene, solver, accuracy, tolerance, max_iterations, progress)
+
+
+def _state(
+    state: str, scene: Scene, solver: Solver | None, accuracy: Asked, *how: Any
+) -> xr.Dataset:
+    """A state to an accuracy, or by a solver; ``how`` are tolerance, iterations and progress."""
     asked = accuracy_asked(solver, accuracy)
     if asked is not None:
-        return state_to(scene, asked, "heated", tolerance, max_iterations, progress)
+        return state_to(scene, asked, state, *how)
     assert solver is not None
-    return FIND["heated"](scene, solver, tolerance, max_iterations, progress)
+    return FIND[state](scene, solver, *how)
 
 
 def state_to(

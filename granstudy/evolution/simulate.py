@@ -4,10 +4,9 @@ The module is a fork: it only chooses, and no run's key depends on it (`granstud
 """
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
 
 from granstudy.collision.choice.methods import maker
@@ -28,29 +27,6 @@ FORK = "no run follows or hashes this module (granstudy.support.fingerprint)"
 """Mark of a fork."""
 
 
-def simulate_by(
-    scene: Scene,
-    solver: Solver,
-    *,
-    t_final: float,
-    dt: float | None = None,
-    time_rtol: float | None = None,
-    times: Sequence[float] | np.ndarray | None = None,
-    frame: str = "fixed",
-    scheme: str | None = None,
-    conserve: Sequence[str] = (),
-    save_every: int | None = None,
-    progress: Progress = None,
-    checkpoint: str | os.PathLike[str] | None = None,
-) -> xr.Dataset:
-    """`granstudy.simulate` with a solver; parameters, errors and warnings are explained there."""
-    settings = TimeSettings(t_final, dt, time_rtol, times, frame, scheme, conserve, save_every)
-    ds = advance(scene, solver, settings, progress, checkpoint)
-    if checkpoint is not None:
-        Path(checkpoint).unlink(missing_ok=True)
-    return ds
-
-
 def advance(
     scene: Scene,
     solver: Solver,
@@ -58,7 +34,10 @@ def advance(
     progress: Progress = None,
     checkpoint: str | os.PathLike[str] | None = None,
 ) -> xr.Dataset:
-    """`simulate_by` with settings of time that are checked, and without its warning; a checkpoint stays."""
+    """`granstudy.simulate` by a solver, with settings of time that are checked.
+
+    There is no warning, and a checkpoint stays when the run is done.
+    """
     check_frame(scene, solver, settings)
     check_outputs(settings)
     if not solver.traits.by_particles:

@@ -108,11 +108,7 @@ class Store:
         damaged = []
         for key in keys:
             path = self.path(key)
-            try:
-                right = not path.is_file() or read_head(path).attrs.get("run_key") == key
-            except (OSError, ValueError):
-                right = False
-            if not right:
+            if path.is_file() and not holds(path, key):
                 self.remove(key)
                 damaged.append(key)
         return damaged
@@ -171,6 +167,15 @@ def _key_of(checkpoint: Path) -> str:
 def sidecar(path: Path) -> Path:
     """File beside a run's that says when and where it was computed."""
     return path.with_name(path.name + SIDECAR)
+
+
+def holds(path: Path, key: str, whole: bool = False) -> bool:
+    """Whether a file is there and the run of that key: its head is verified, or the whole of it."""
+    try:
+        attrs = read_dataset(path).attrs if whole else read_head(path).attrs
+    except (OSError, ValueError):
+        return False
+    return bool(attrs.get("run_key") == key)
 
 
 def link(source: Path, target: Path) -> None:

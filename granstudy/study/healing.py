@@ -4,8 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from granstudy.datasets.netcdf import read_dataset, read_head
-from granstudy.runs.store import link
+from granstudy.runs.store import holds, link
 from granstudy.study.layout import Layout
 from granstudy.support.errors import DamagedFileError
 from granstudy.support.files import read_json
@@ -36,11 +35,11 @@ def _check(layout: Layout, experiment: str, whole: bool) -> None:
     lost = []
     for path, key in read_json(Path(layout.complete(experiment))).items():
         file = Path(layout.run_file(experiment, path))
-        if _holds(file, key, whole):
+        if holds(file, key, whole):
             continue
         file.unlink(missing_ok=True)
         kept = layout.store.path(key)
-        if _holds(kept, key, whole):
+        if holds(kept, key, whole):
             link(kept, file)
         else:
             layout.store.remove(key)
@@ -50,12 +49,3 @@ def _check(layout: Layout, experiment: str, whole: bool) -> None:
             f"{experiment}: {len(lost)} runs were damaged, or files of other runs, and are removed "
             f"({', '.join(lost[:5])}{', ...' if len(lost) > 5 else ''}); the same command computes them anew"
         )
-
-
-def _holds(file: Path, key: str, whole: bool) -> bool:
-    """Whether a file is there, not damaged, and the run of that key."""
-    try:
-        attrs = read_dataset(file).attrs if whole else read_head(file).attrs
-    except (OSError, ValueError):
-        return False
-    return bool(attrs.get("run_key") == key)

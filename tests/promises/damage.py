@@ -4,7 +4,7 @@ import random
 import shutil
 
 import granstudy as gs
-from promises.trial import Trial, compute, digests, start, study
+from promises.trial import Trial, study, unfinished
 
 
 def trial(seed, folder, reference):
@@ -19,12 +19,8 @@ def trial(seed, folder, reference):
         WAYS[how](file, draw, reference / other.relative_to(folder))
         if _is_believed(file, reference / file.relative_to(folder)):
             return Trial(False, f"{how}: read without a word")
-    finish = start(compute, folder)
-    finish.join(120)
-    if finish.exitcode != 0:
-        return Trial(False, f"{how}: the next command ended with {finish.exitcode}")
-    if digests(folder) != digests(reference):
-        return Trial(False, f"{how}: not healed")
+    if wrong := unfinished(folder, reference):
+        return Trial(False, f"{how}: {wrong}")
     if not study(folder).dataset("cooling").identical(study(reference).dataset("cooling")):
         return Trial(False, f"{how}: another dataset of the experiment")
     return Trial(True, f"{how}: noticed, and computed anew")

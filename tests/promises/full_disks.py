@@ -3,7 +3,7 @@
 import random
 import subprocess
 
-from promises.trial import Trial, compute, damaged_names, digests, start
+from promises.trial import Trial, compute, start, unfinished, unsound
 
 LARGEST = 400_000
 """Bytes of the largest disk; the study takes about 350,000."""
@@ -19,17 +19,11 @@ def trial(seed, folder, reference):
         process = start(compute, disk)
         process.join(120)
         full = process.exitcode != 0
-        if damaged := damaged_names(disk):
-            return Trial(False, f"damaged under a final name: {damaged[0]}")
-        if not digests(disk).items() <= digests(reference).items():
-            return Trial(False, "a run that differs from the undisturbed one")
+        if wrong := unsound(disk, reference):
+            return Trial(False, wrong)
         _mount("-o", "remount,size=64m", str(disk))
-        finish = start(compute, disk)
-        finish.join(120)
-        if finish.exitcode != 0:
-            return Trial(False, f"with room again the command ended with {finish.exitcode}")
-        if digests(disk) != digests(reference):
-            return Trial(False, "finished with other bytes")
+        if wrong := unfinished(disk, reference):
+            return Trial(False, f"with room again: {wrong}")
     finally:
         subprocess.run(["umount", "-l", str(disk)], check=True)
     return Trial(True, "refused, then finished with the same bytes" if full else "there was room")

@@ -3,7 +3,7 @@
 import random
 import time
 
-from promises.trial import Trial, compute, damaged_names, digests, start
+from promises.trial import Trial, compute, start, unfinished, unsound
 
 LONGEST = 2.5
 """Seconds after which a process is killed at the latest; the study takes about as long."""
@@ -20,15 +20,8 @@ def trial(seed, folder, reference):
         hit += process.is_alive()
         process.kill()
         process.join()
-        if damaged := damaged_names(folder):
-            return Trial(False, f"damaged under a final name: {damaged[0]}")
-    found = digests(folder)
-    if not found.items() <= digests(reference).items():
-        return Trial(False, "a run that differs from the undisturbed one")
-    finish = start(compute, folder)
-    finish.join(120)
-    if finish.exitcode != 0:
-        return Trial(False, f"the next command ended with {finish.exitcode}")
-    if digests(folder) != digests(reference):
-        return Trial(False, "finished with other bytes")
+        if wrong := unsound(folder, reference):
+            return Trial(False, wrong)
+    if wrong := unfinished(folder, reference):
+        return Trial(False, wrong)
     return Trial(True, f"killed {hit} times, finished with the same bytes")

@@ -87,6 +87,24 @@ def digests(folder):
     return {file.stem: hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
 
 
+def unsound(folder, reference):
+    """What is wrong with what an attack left behind; "" where all of it is whole and as undisturbed."""
+    if damaged := damaged_names(folder):
+        return f"damaged under a final name: {damaged[0]}"
+    if not digests(folder).items() <= digests(reference).items():
+        return "a run that differs from the undisturbed one"
+    return ""
+
+
+def unfinished(folder, reference):
+    """What is wrong after the next command; "" where it ends with the bytes of an undisturbed study."""
+    process = start(compute, folder)
+    process.join(120)
+    if process.exitcode != 0:
+        return f"the next command ended with {process.exitcode}"
+    return "" if digests(folder) == digests(reference) else "finished with other bytes"
+
+
 def damaged_names(folder):
     """Files under final names that cannot be read: datasets by their checksum, JSON by its grammar."""
     found = []

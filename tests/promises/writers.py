@@ -2,7 +2,7 @@
 
 import random
 
-from promises.trial import Trial, compute, damaged_names, digests, start, study
+from promises.trial import Trial, compute, digests, start, study, unsound
 
 
 def trial(seed, folder, reference):
@@ -22,8 +22,8 @@ def trial(seed, folder, reference):
     ends = [process.exitcode for process in processes[killed:]]
     if any(ends):
         return Trial(False, f"processes ended with {ends}")
-    if damaged := damaged_names(folder):
-        return Trial(False, f"damaged under a final name: {damaged[0]}")
+    if wrong := unsound(folder, reference):
+        return Trial(False, wrong)
     if digests(folder) != digests(reference):
         return Trial(False, "other bytes than by one process")
     if set(study(folder).runs["state"]) != {"done"}:
