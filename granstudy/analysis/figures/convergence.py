@@ -73,7 +73,7 @@ def draw_convergence(source: FigureSource) -> Figure:
             ax.plot(runs[x], y, **drawn, alpha=line_opacity(trust))
             mark(ax, runs[x].values, y, trust, look)
         if _paper_is_drawn(part):
-            ax.plot(part[x], part["paper"] / part["paper"].attrs.get("factor", 1.0), **PAPER_LOOK)
+            ax.plot(part[x], part["paper"] / _paper_factor(part), **PAPER_LOOK)
         if x == "dt":
             _order_guide(ax, part, x)
         if column[0] or row[0]:
@@ -86,7 +86,9 @@ def draw_convergence(source: FigureSource) -> Figure:
         for line, style in styles.items()
     ]
     if _paper_is_drawn(table):
-        handles.append(Line2D([], [], label=PAPER, **PAPER_LOOK))
+        factor = _paper_factor(table)
+        printed = PAPER if factor == 1.0 else f"{PAPER}, over {factor:g}"
+        handles.append(Line2D([], [], label=printed, **PAPER_LOOK))
     if "trust" in table:
         handles += trust_handles([table["trust"].values])
     figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 3))
@@ -111,6 +113,11 @@ def _label_outer(axes: np.ndarray, x: str, quantity: str) -> None:
 
 def _paper_is_drawn(table: xr.Dataset) -> bool:
     return "paper" in table and table.attrs["paper_quantity"] == table.attrs["quantity"]
+
+
+def _paper_factor(table: xr.Dataset) -> float:
+    """The printed numbers over the quantity as we measure it (`granstudy.analysis.paper.printed.FACTORS`)."""
+    return float(table["paper"].attrs.get("factor", 1.0))
 
 
 def _order_guide(ax: Axes, part: xr.Dataset, x: str) -> None:

@@ -64,6 +64,15 @@ def test_convergence_names_what_it_shows(convergence):
     assert all(ax.get_yscale() == "log" for ax in figure.axes)
 
 
+def test_numbers_printed_as_a_multiple_are_drawn_as_ours_and_say_so(convergence):
+    convergence["paper"].attrs["factor"] = 2.25
+    figure = draw(experiment("convergence", "N"), convergence, [])
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels == ["literal", "fast", f"{PAPER}, over 2.25"]
+    panel = next(ax for ax in figure.axes if ax.get_title() == "$e$ = 0.2, full")
+    assert any((32.0, 1.1e-4 / 2.25) in line for line in drawn(panel))
+
+
 def test_a_refined_step_gets_a_guide_of_slope_three(table_of):
     rows = [(dt, 0.3 * dt**3) for dt in (0.1, 0.2, 0.4)]
     table = table_of(rows, ["dt"], "paper_temperature_error")
