@@ -51,9 +51,16 @@ def run(folder, *command, **variables):
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory):
-    """Folder with the source distribution, and the wheel that is made from it."""
-    folder = tmp_path_factory.mktemp("dist")
-    run(REPOSITORY, sys.executable, "-m", "build", "--no-isolation", "--outdir", str(folder))
+    """Folder with the source distribution, and the wheel that is made from it.
+
+    They are built in a copy: two processes that build in one checkout remove each other's files.
+    """
+    folder, copy = tmp_path_factory.mktemp("dist"), tmp_path_factory.mktemp("source")
+    for name in run(REPOSITORY, "git", "ls-files").splitlines():
+        if (REPOSITORY / name).is_file():
+            (copy / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(REPOSITORY / name, copy / name)
+    run(copy, sys.executable, "-m", "build", "--no-isolation", "--outdir", str(folder))
     return folder
 
 
