@@ -3,7 +3,14 @@
 import numpy as np
 
 from granstudy.trust.changes import Change
-from granstudy.trust.error_estimate import LARGEST, STEPS_COUNT, Balance, Settled, settled
+from granstudy.trust.error_estimate import (
+    LARGEST,
+    NOTHING,
+    STEPS_COUNT,
+    Balance,
+    Settled,
+    settled,
+)
 
 SOURCES = ("grid", "steps", "changes")
 """Sources of errors: the discrete equation, its steps, and changes of the grid."""
@@ -34,7 +41,7 @@ class Ledger:
         if self.balance is not None:
             for source, now in self._linear.items():
                 self._linear[source] = self._faded(now, elapsed)
-        made = Change(STEPS_COUNT * abs(error.temperature), STEPS_COUNT * abs(error.a2))
+        made = _counted(error)
         self._linear["steps"] = _sum(self._linear["steps"], made)
         self._made = _sum(self._made, made)
 
@@ -71,14 +78,21 @@ class Ledger:
         """Errors by the grid up to the last balance."""
         return Change(self._grid.temperature, self._grid.a2)
 
-    def estimates(self) -> dict[str, Change]:
-        """Errors by source at the present time, which must be that of a balance."""
-        grid = Change(min(self._grid.temperature, LARGEST), min(self._grid.a2, LARGEST))
-        return {"grid": grid, **self._linear}
+    def estimates(self, passing: Change = NOTHING) -> dict[str, Change]:
+        """Errors by source at the present time.
 
-    def total(self) -> Change:
-        """Errors by all sources together."""
-        errors = self.estimates().values()
+        ``passing`` are errors of a state inside a step, by interpolation; they count for the steps.
+        """
+        grid = self._grid
+        if self.balance is not None:
+            grid = settled(grid, self.balance, self.balance, self.since_balance)
+        found = {"grid": Change(min(grid.temperature, LARGEST), min(grid.a2, LARGEST))}
+        found |= self._linear
+        return found | {"steps": _sum(found["steps"], _counted(passing))}
+
+    def total(self, passing: Change = NOTHING) -> Change:
+        """Errors by all sources together; ``passing`` as of `estimates`."""
+        errors = self.estimates(passing).values()
         return Change(
             min(sum(error.temperature for error in errors), LARGEST),
             min(sum(error.a2 for error in errors), LARGEST),
@@ -98,3 +112,8 @@ class Ledger:
 
 def _sum(a: Change, b: Change) -> Change:
     return Change(a.temperature + b.temperature, a.a2 + b.a2)
+
+
+def _counted(error: Change) -> Change:
+    """An error by steps as it counts."""
+    return Change(STEPS_COUNT * abs(error.temperature), STEPS_COUNT * abs(error.a2))

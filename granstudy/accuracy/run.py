@@ -15,7 +15,8 @@ from granstudy.accuracy.leg import Leg
 from granstudy.datasets.run_dataset import Record
 from granstudy.evolution.frames.physical import physical_moments
 from granstudy.evolution.schemes import SCHEMES
-from granstudy.evolution.steps import AdaptiveSteps, Point, StoppedError
+from granstudy.evolution.steps.adaptive import AdaptiveSteps
+from granstudy.evolution.steps.points import Point, StoppedError
 from granstudy.support.errors import RAN_AWAY
 from granstudy.trust import health
 from granstudy.trust.changes import Change
@@ -185,15 +186,19 @@ class Run:
         failed = health.failure(values)
         if failed:
             raise StoppedError(point.step, point.time, failed)
-        if point.error is not None:
-            ledger.step(frame.clock(state, point.time), frame.moment_change(state, point.error))
+        passing = Change(0.0, 0.0)
+        if point.difference is not None:
+            change = frame.moment_change(state, point.difference)
+            ledger.step(frame.clock(state, point.time), change.scaled(point.share))
+            passing = change.scaled(point.passing)
         balance = ledger.balance
         assert balance is not None
         due = ledger.since_balance * balance.relaxing >= BALANCES or point.is_output
+        due = due and not point.inside
         if due and point.step > 0:
             ledger.weigh(leg.balance(state, point.rate))
         if point.is_output:
-            self._output(leg, point, f, values)
+            self._output(leg, point, f, values, passing)
         asks = due and point.step > 0 and point.time < self._times[-1]
         return self._wish(leg, point, values) if asks else None
 
@@ -247,17 +252,19 @@ class Run:
         self._enter(chosen, time)
         return chosen.leg, chosen.state
 
-    def _output(self, leg: Leg, point: Point, f: np.ndarray, values: dict[str, Any]) -> None:
+    def _output(
+        self, leg: Leg, point: Point, f: np.ndarray, values: dict[str, Any], passing: Change
+    ) -> None:
         """Record an output."""
         record, place = self.outcome.record, leg.place(point.state, point.time)
         if not self._first:
             self._first = values
-        total = self.ledger.total()
+        total = self.ledger.total(passing)
         signs = health.state_of_health(f, values, self._first, leg.grid)
         signs |= {"temperature": total.temperature, "a2": total.a2}
         record.health.append(signs)
         record.warn(point.time, health.warnings(signs))
-        for name, error in self.ledger.estimates().items():
+        for name, error in self.ledger.estimates(passing).items():
             self.outcome.sources[name].append(error)
         if leg.gas.rescaled:
             moments = leg.frame.record(values, point.state)

@@ -21,7 +21,9 @@ from granstudy.evolution.frames.scaled_collisions import scaled_collisions
 from granstudy.evolution.schemes import SCHEMES
 from granstudy.evolution.snapshot import Snapshot
 from granstudy.evolution.stability import step_warning
-from granstudy.evolution.steps import AdaptiveSteps, FixedSteps, Point, StoppedError
+from granstudy.evolution.steps.adaptive import AdaptiveSteps
+from granstudy.evolution.steps.fixed import FixedSteps
+from granstudy.evolution.steps.points import Point, StoppedError
 from granstudy.evolution.times import TimeSettings
 from granstudy.evolution.unknowns import collisions, representation
 from granstudy.model.choice import Choice
@@ -30,7 +32,8 @@ from granstudy.model.solver import SizedSolver
 from granstudy.support.errors import RAN_AWAY
 from granstudy.support.progress import Progress, watched
 from granstudy.trust import health
-from granstudy.trust.error_estimate import Examination, Found
+from granstudy.trust.changes import Change
+from granstudy.trust.error_estimate import Examination
 from granstudy.trust.flags import Status
 from granstudy.trust.pair_rates import RatesAt
 from granstudy.velocity.moments import moment_values
@@ -74,7 +77,7 @@ def evolve(
             for point in points:
                 observer.see(point)
                 report(len(record.times) - 1, point.time)
-                if checkpoint is not None and checkpoint.due():
+                if checkpoint is not None and not point.inside and checkpoint.due():
                     checkpoint.write(observer.snapshot().plain())
         except StoppedError as stopped:
             record.status, record.reason = Status.DIVERGED, str(stopped)
@@ -190,42 +193,47 @@ class _Observer:
             if not self.record.moments:
                 self._record(point, f, frame.record(values, state))
             raise StoppedError(point.step, point.time, failed)
-        if point.error is not None:
-            error = frame.moment_change(state, point.error)
-            self._examination.step(frame.clock(state, point.time), error)
+        passing = Change(0.0, 0.0)
+        if point.difference is not None:
+            change = frame.moment_change(state, point.difference)
+            self._examination.step(frame.clock(state, point.time), change.scaled(point.share))
+            passing = change.scaled(point.passing)
+        texts = {} if point.inside else self._step(point, f, values)
+        if point.is_output:
+            texts |= self._output(point, f, values, passing)
+        self.record.warn(point.time, texts)
+
+    def _step(self, point: Point, f: np.ndarray, values: dict[str, Any]) -> dict[str, str]:
+        """Review the quadrature at the end of a step, and take a balance; returns warnings, by name."""
+        run, state, rate = self._run, point.state, point.rate
         plans = len(self._tuning.plans)
         texts = self._tuning.review(point.step, point.time, f)
         if len(self._tuning.plans) > plans:
-            self._run.steps.equation_changed()
-        is_due = self._examination.is_due(point.time)
-        if point.is_output:
-            texts |= self._output(point, f, values)
-        elif is_due:
-            self._examination.balance(f, values, self._found(state), **self._gas(state, values))
-        self.record.warn(point.time, texts)
+            run.steps.equation_changed()
+            rate = None
+        if self._examination.is_due(point.time):
+            self._examination.balance(
+                f,
+                values,
+                run.frame.moment_rates(state, rate),
+                # that of the last Q, which belongs to the state
+                run.project.energy_removed,
+                restitution=run.frame.restitution(state),
+                heating=run.frame.heating(state, values["temperature"]),
+            )
+        return texts
 
-    def _output(self, point: Point, f: np.ndarray, values: dict[str, Any]) -> dict[str, str]:
+    def _output(
+        self, point: Point, f: np.ndarray, values: dict[str, Any], passing: Change
+    ) -> dict[str, str]:
         """Record and examine an output, or nothing of it; returns its warnings, by name."""
         frame, state = self._run.frame, point.state
         moments = frame.record(values, state)
         signs, texts = self._check_step(state, float(moments["density"]))
-        texts |= self._examination.look(f, values, self._found(state), **self._gas(state, values))
+        texts |= self._examination.look(f, values, passing)
         self.record.health[-1].update(signs)
         self._record(point, f, moments)
         return texts
-
-    def _found(self, state: np.ndarray) -> Found:
-        """Rates of T and a2 by the discrete equation, evaluated where they are asked for."""
-        run = self._run
-        return lambda: (run.frame.moment_rates(state), run.project.energy_removed)
-
-    def _gas(self, state: np.ndarray, values: dict[str, Any]) -> dict[str, Any]:
-        """Restitution and heating in the velocities that the grid stores."""
-        frame = self._run.frame
-        return {
-            "restitution": frame.restitution(state),
-            "heating": frame.heating(state, values["temperature"]),
-        }
 
     def _record(self, point: Point, f: np.ndarray, moments: dict[str, Any]) -> None:
         """Record an output: its moments, and where they are asked for, the density."""

@@ -1,6 +1,6 @@
 """Runge–Kutta schemes: one step, and an estimate of its error from a lower order (docs/method.md §3)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import factorial
 from typing import NamedTuple, Protocol
@@ -23,6 +23,17 @@ solution."""
 DOPRI_ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40)
 """Weights of the difference between the solutions of fifth and of fourth order, same source."""
 
+DOPRI_INTERPOLANT = (
+    -12715105075 / 11282082432,
+    0.0,
+    87487479700 / 32700410799,
+    -10690763975 / 1880347072,
+    701980252875 / 199316789632,
+    -1453857185 / 822651844,
+    69997945 / 29380423,
+)
+"""Weights of the interpolant of fourth order beside the cubic polynomial by the step's ends: E. Hairer,
+S. Nørsett & G. Wanner, Solving Ordinary Differential Equations I, §II.6, as in their code DOPRI5."""
 
 Rate = Callable[[np.ndarray], np.ndarray]
 """y ↦ y'."""
@@ -42,13 +53,23 @@ class Equation(Protocol):
 
 
 class Step(NamedTuple):
-    """Result of one step of a scheme."""
+    """Result of one step of a scheme.
+
+    Attributes
+    ----------
+    state : ndarray
+    difference : ndarray
+        Difference from a scheme of lower order.
+    last : ndarray or None
+        Rate at the state, with which the next step begins; None where the scheme has it not.
+    inside : callable or None
+        Part of the step, from 0 to 1 ↦ state there; None where the scheme has no interpolant.
+    """
 
     state: np.ndarray
-    error: np.ndarray
-    """Difference from a scheme of lower order."""
-    last: np.ndarray | None
-    """First rate of the next step, where the scheme has it; None where it has not."""
+    difference: np.ndarray
+    last: np.ndarray | None = None
+    inside: Callable[[float], np.ndarray] | None = None
 
 
 @dataclass(frozen=True)
@@ -72,6 +93,8 @@ class Scheme:
         Largest h|z| for which y' = z y stays bounded, for z < 0 and for imaginary z.
     exact_diffusion : bool
         Whether diffusion is exact, so that it does not limit h.
+    interpolation_error : float
+        Error of the interpolant over D at most, for any equation; 0 where the scheme has none.
     """
 
     first: Callable[[Equation, np.ndarray], np.ndarray]
@@ -83,6 +106,7 @@ class Scheme:
     real_limit: float
     imaginary_limit: float
     exact_diffusion: bool
+    interpolation_error: float = 0.0
 
     def error(self, size: float) -> float:
         """Error of a step over D, where D has a relative size.
@@ -98,7 +122,7 @@ def rk3_step(rate: Rate, y: np.ndarray, h: float, first: np.ndarray) -> Step:
     k1 = first
     k2 = rate(y + h / 2 * k1)
     k3 = rate(y - h * k1 + 2 * h * k2)
-    return Step(y + h / 6 * (k1 + 4 * k2 + k3), h / 6 * (k1 - 2 * k2 + k3), None)
+    return Step(y + h / 6 * (k1 + 4 * k2 + k3), h / 6 * (k1 - 2 * k2 + k3))
 
 
 def dopri54_step(rate: Rate, y: np.ndarray, h: float, first: np.ndarray) -> Step:
@@ -107,8 +131,22 @@ def dopri54_step(rate: Rate, y: np.ndarray, h: float, first: np.ndarray) -> Step
     for weights in DOPRI_STAGES:
         new = y + h * sum(w * k for w, k in zip(weights, rates, strict=True) if w)
         rates.append(rate(new))
-    error = np.asarray(h * sum(w * k for w, k in zip(DOPRI_ERROR, rates, strict=True) if w))
-    return Step(new, error, rates[-1])
+
+    def weighted(weights: Sequence[float] | np.ndarray) -> np.ndarray:
+        return np.asarray(h * sum(w * k for w, k in zip(weights, rates, strict=True) if w))
+
+    def inside(theta: float) -> np.ndarray:
+        return y + weighted(dopri54_weights(theta))
+
+    return Step(new, weighted(DOPRI_ERROR), rates[-1], inside)
+
+
+def dopri54_weights(theta: float) -> np.ndarray:
+    """Weights of the rates in the interpolant of `dopri54_step` at a part of the step, shape (7,)."""
+    first, last = np.eye(7)[[0, -1]]
+    whole = np.array([*DOPRI_STAGES[-1], 0.0])
+    bubble = 2.0 * whole - first - last + (1.0 - theta) * np.array(DOPRI_INTERPOLANT)
+    return theta * (whole + (1.0 - theta) * (first - whole + theta * bubble))
 
 
 def exponential_step(equation: Equation, y: np.ndarray, h: float, n1: np.ndarray) -> Step:
@@ -134,7 +172,7 @@ def exponential_step(equation: Equation, y: np.ndarray, h: float, n1: np.ndarray
         (lambda z: 4 * phi(3)(z) - phi(2)(z), h * n3),
     )
     lower = linear(x, (np.exp, y), (phi(1), h * n1), (phi(2), 2 * h * (n2 - n1)))
-    return Step(new, new - lower, None)
+    return Step(new, new - lower)
 
 
 def phi(k: int) -> Callable[[np.ndarray], np.ndarray]:
@@ -165,6 +203,7 @@ def explicit(
     remainder: float,
     real_limit: float,
     imaginary_limit: float,
+    interpolation_error: float = 0.0,
 ) -> Scheme:
     """A scheme of rates alone, diffusion included; ``step`` is (rate, y, h, first) ↦ `Step`."""
     return Scheme(
@@ -177,6 +216,7 @@ def explicit(
         real_limit=real_limit,
         imaginary_limit=imaginary_limit,
         exact_diffusion=False,
+        interpolation_error=interpolation_error,
     )
 
 
@@ -198,6 +238,7 @@ SCHEMES = {
         remainder=1 / 3600,
         real_limit=3.3065,
         imaginary_limit=0.9971,
+        interpolation_error=7.87,
     ),
     "exponential": Scheme(
         first=lambda equation, y: equation.rate(y, equation.diffusivity(y)),

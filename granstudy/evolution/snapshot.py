@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from granstudy.datasets.run_dataset import Record, columns, rows
-from granstudy.evolution.steps import Position
+from granstudy.evolution.steps.interpolation import End
+from granstudy.evolution.steps.points import Position
 from granstudy.trust.changes import Change
 from granstudy.trust.error_estimate import Balance, Memory, Settled
 
@@ -39,9 +40,10 @@ class Snapshot:
     def plain(self) -> dict[str, Any]:
         """The snapshot as plain data and arrays (`granstudy.datasets.storage.checkpoint`)."""
         memory, record = self.memory, self.record
-        balance = memory.balance
+        balance, start = memory.balance, self.position.start
         return {
-            "position": self.position._asdict(),
+            "position": self.position._asdict()
+            | {"start": None if start is None else start._asdict()},
             "memory": memory._asdict()
             | {
                 "balance": None if balance is None else balance._asdict(),
@@ -75,4 +77,6 @@ class Snapshot:
             plans=plain["plans"],
             warnings=plain["warnings"],
         )
-        return cls(Position(**plain["position"]), Memory(**memory | parts), plain["scale"], record)
+        start = plain["position"]["start"]
+        position = plain["position"] | {"start": None if start is None else End(**start)}
+        return cls(Position(**position), Memory(**memory | parts), plain["scale"], record)

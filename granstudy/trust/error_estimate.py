@@ -1,6 +1,6 @@
 """The errors of T and a2, estimated while a run goes on (docs/method.md §10)."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -122,12 +122,16 @@ class Settled(NamedTuple):
     other: float
 
 
+NOTHING = Change(0.0, 0.0)
+"""No error."""
+
+
 class Memory(NamedTuple):
     """What an examination remembers of a run beside its outputs, all that its estimates to come depend on.
 
     ``first`` are the moments of the first output. ``clock`` is the collisions' time now, ``balanced_at`` that
     of the last ``balance``. ``settled`` are the errors at that time by imbalance, ``stepped`` those by steps.
-    ``passed`` are the times of balances between outputs that have passed.
+    ``passed`` are the times of balances that have passed.
     """
 
     first: health.Moments
@@ -137,10 +141,6 @@ class Memory(NamedTuple):
     settled: Settled
     stepped: Change
     passed: int
-
-
-Found = Callable[[], tuple[Change, float]]
-"""Rates of T and a2 by the discrete equation, and the rate of energy that was taken from Q."""
 
 
 class Examination:
@@ -170,9 +170,7 @@ class Examination:
     ) -> None:
         self._scene, self._grid, self._rates = scene, grid, rates
         self._true = true_start(scene, grid)
-        self._every = max(1, (len(times) - 1) // BALANCES)
-        self._last = len(times) - 1
-        self._between, self._passed = between(times), 0
+        self._due, self._passed = balance_times(times), 0
         self._first: health.Moments = {}
         self._clock = self._balanced_at = 0.0
         self._balance: Balance | None = None
@@ -223,13 +221,7 @@ class Examination:
         )
 
     def look(
-        self,
-        f: np.ndarray,
-        values: health.Moments,
-        found: Found,
-        *,
-        restitution: Restitution,
-        heating: float,
+        self, f: np.ndarray, values: health.Moments, passing: Change = NOTHING
     ) -> dict[str, str]:
         """Examine an output; returns its warnings, by the names of `granstudy.trust.health.SIGNS`.
 
@@ -239,48 +231,58 @@ class Examination:
             The density that the grid stores: f, in a rescaled frame g.
         values : mapping
             Moments of that density.
-        found : callable
-            Returns the rates of T and a2 by the discrete equation, in a unit of the collisions' time, and
-            the rate of energy that was taken from Q so that it has the exact one.
-        restitution : float or callable
-            Restitution in the velocities that the grid stores.
-        heating : float
-            2ε/T in a unit of the collisions' time.
+        passing : Change
+            Errors of T and a2 that this output has, and what follows has not: those of interpolation.
         """
-        number = len(self.outputs)
-        if number == 0:
+        if not self.outputs:
             self._first = values
             start = StartMoments(*(float(values[name]) for name in StartMoments._fields))
             off = errors_of(start, self._true)
             self._settled = Settled(off.temperature, off.a2, 0.0)
-        if number % self._every == 0 or number == self._last:
-            self.balance(f, values, found, restitution=restitution, heating=heating)
         grown = self._grown(self._balance)
+        T = self._stepped.temperature + STEPS_COUNT * abs(passing.temperature)
+        a2 = self._stepped.a2 + STEPS_COUNT * abs(passing.a2)
         output = health.state_of_health(f, values, self._first, self._grid)
         output |= {
-            "temperature": min(grown.temperature + self._stepped.temperature, LARGEST),
-            "a2": min(grown.a2 + self._stepped.a2, LARGEST),
+            "temperature": min(grown.temperature + T, LARGEST),
+            "a2": min(grown.a2 + a2, LARGEST),
         }
         self.outputs.append(output)
         return health.warnings(output)
 
     def is_due(self, time: float) -> bool:
-        """Whether a balance between outputs is due after a step that led to a time, an output or not."""
-        before, self._passed = self._passed, int(np.searchsorted(self._between, time, "right"))
+        """Whether a balance is due at the end of a step that led to a time."""
+        before, self._passed = self._passed, int(np.searchsorted(self._due, time, "right"))
         return self._passed > before
 
     def balance(
         self,
         f: np.ndarray,
         values: health.Moments,
-        found: Found,
+        found: Change,
+        removed: float,
         *,
         restitution: Restitution,
         heating: float,
     ) -> None:
-        """Take the balance of a density, and settle the errors up to it; parameters as of `look`."""
-        rates, removed = found()
-        now = imbalance(self._rates(restitution), f, rates, heating)
+        """Take the balance of a density, and settle the errors up to it.
+
+        Parameters
+        ----------
+        f : ndarray, shape grid.shape
+            As of `look`.
+        values : mapping
+            Moments of that density.
+        found : Change
+            Rates of T and a2 by the discrete equation, in a unit of the collisions' time.
+        removed : float
+            Rate of energy that was taken from Q so that it has the exact one.
+        restitution : float or callable
+            Restitution in the velocities that the grid stores.
+        heating : float
+            2ε/T in a unit of the collisions' time.
+        """
+        now = imbalance(self._rates(restitution), f, found, heating)
         removed /= self._grid.dim / 2 * values["density"] * values["temperature"]
         self._weigh(now, removed, float(values["density"]), restitution, heating)
 
@@ -347,15 +349,15 @@ def settled(start: Settled, before: Balance, now: Balance, elapsed: float) -> Se
     return Settled(temperature, a2, other)
 
 
-def between(times: np.ndarray) -> np.ndarray:
-    """Times between outputs at which balances are due, in a run whose outputs are fewer than `BALANCES`.
+def balance_times(times: np.ndarray) -> np.ndarray:
+    """Times at which balances are due in a run with outputs at ``times``; there are about `BALANCES`.
 
-    Errors may grow exponentially: a few outputs do not tell how their growth went.
+    Errors may grow exponentially: where there are few outputs, they do not tell how their growth went.
     """
+    every = max(1, (len(times) - 1) // BALANCES)
     parts = int(np.ceil(BALANCES / max(1, len(times) - 1)))
-    inner = np.arange(1, parts) / parts
-    steps = np.multiply.outer(np.diff(times), inner)
-    return np.asarray((times[:-1, None] + steps).ravel())
+    inner = np.multiply.outer(np.diff(times), np.arange(1, parts) / parts) + times[:-1, None]
+    return np.unique([*times[::every], times[-1], *inner.ravel()])
 
 
 def a2_relaxation(restitution: Restitution, dim: int, exponent: float) -> float:

@@ -48,7 +48,7 @@ def test_orders(scheme, order, kappa):
 def test_the_error_of_a_step_has_the_lower_schemes_order(scheme):
     made, equation, y = SCHEMES[scheme], Riccati(1.0), np.ones(1)
     steps = np.array([0.1, 0.05, 0.025])
-    errors = [made.step(equation, y, h, made.first(equation, y)).error for h in steps]
+    errors = [made.step(equation, y, h, made.first(equation, y)).difference for h in steps]
     orders = np.diff(np.log(np.abs(errors).ravel())) / np.diff(np.log(steps))
     assert np.all(np.abs(orders - made.error_order - 1) < 0.2), orders
 
@@ -59,7 +59,7 @@ def test_the_exponential_scheme_without_diffusion_is_kuttas():
         SCHEMES[name].step(equation, y, 0.3, equation.rate(y)) for name in ("rk3", "exponential")
     ]
     np.testing.assert_allclose(steps[1].state, steps[0].state, rtol=1e-15)
-    np.testing.assert_allclose(steps[1].error, steps[0].error, rtol=1e-12)
+    np.testing.assert_allclose(steps[1].difference, steps[0].difference, rtol=1e-12)
 
 
 def test_a_rate_that_does_not_change_is_kept_between_dopri54_steps():

@@ -7,7 +7,8 @@ import pytest
 
 import granstudy as gs
 from granstudy.evolution.schemes import SCHEMES
-from granstudy.evolution.steps import AdaptiveSteps, StoppedError
+from granstudy.evolution.steps.adaptive import AdaptiveSteps
+from granstudy.evolution.steps.points import StoppedError
 
 SCENE = gs.load_scene("bkw3d", kernel=gs.hard_spheres(3), restitution=0.2, diffusion=0.01)
 SOLVER = gs.Solver(N=20, R=7.0, method="radial")

@@ -5,7 +5,7 @@ import pytest
 
 import granstudy as gs
 from granstudy.trust.changes import change_of_moments
-from granstudy.trust.error_estimate import Imbalance, balance_of, between, grown
+from granstudy.trust.error_estimate import Imbalance, balance_of, balance_times, grown
 from granstudy.trust.flags import Trust
 from granstudy.trust.truth import errors, truth_of_dataset
 
@@ -66,10 +66,14 @@ def test_an_error_that_grows_between_few_outputs_is_followed():
 
 
 def test_balances_are_about_twenty_however_few_the_outputs():
-    assert np.allclose(between(np.array([0.0, 2.0])), np.arange(1, 20) / 10)
-    assert len(between(np.array([0.0, 0.5, 1.0, 3.0]))) == 3 * 6
-    assert between(np.linspace(0.0, 1.0, 21)).size == 0
-    assert between(np.array([0.0])).size == 0
+    few = np.array([0.0, 0.5, 1.0, 3.0])
+    assert np.allclose(balance_times(np.array([0.0, 2.0])), np.arange(21) / 10)
+    assert len(balance_times(few)) == 4 + 3 * 6 and set(few) < set(balance_times(few))
+    for outputs in (21, 41, 46):
+        times = np.linspace(0.0, 1.0, outputs)
+        assert 21 <= len(balance_times(times)) <= 24
+        assert set(balance_times(times)) <= set(times) and balance_times(times)[-1] == 1.0
+    assert balance_times(np.array([0.0])).tolist() == [0.0]
 
 
 @pytest.mark.fault("L3")

@@ -51,9 +51,11 @@ class FixedFrame:
         """Change of T and a2 by a small change of the state."""
         return change_of_moments(self.form.grid, self.density(state), self.density(change))
 
-    def moment_rates(self, state: np.ndarray) -> Change:
-        """Rates of T and a2, in a unit of the collisions' time."""
-        return self.moment_change(state, self.rate(state))
+    def moment_rates(self, state: np.ndarray, rate: np.ndarray | None = None) -> Change:
+        """Rates of T and a2, in a unit of the collisions' time; the state's rate is computed if not given."""
+        if rate is None:
+            rate = self.rate(state)
+        return self.moment_change(state, rate)
 
     def clock(self, state: np.ndarray, time: float) -> float:
         """The collisions' time: t."""

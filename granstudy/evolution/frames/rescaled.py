@@ -122,11 +122,11 @@ class RescaledFrame:
         scaling = 2.0 * float(change[self._nodes].real)
         return change_of_moments(self.form.grid, self.density(state), self.density(change), scaling)
 
-    def moment_rates(self, state: np.ndarray) -> Change:
-        """Rates of T and a2, in a unit of the collisions' time."""
-        return self.moment_change(state, self.rate(state)).scaled(
-            self.scale(state) ** -self._exponent
-        )
+    def moment_rates(self, state: np.ndarray, rate: np.ndarray | None = None) -> Change:
+        """Rates of T and a2, in a unit of the collisions' time; the state's rate is computed if not given."""
+        if rate is None:
+            rate = self.rate(state)
+        return self.moment_change(state, rate).scaled(self.scale(state) ** -self._exponent)
 
     def clock(self, state: np.ndarray, time: float) -> float:
         """The collisions' time: τ."""
