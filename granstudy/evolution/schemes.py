@@ -60,6 +60,9 @@ class Step(NamedTuple):
     state : ndarray
     difference : ndarray
         Difference from a scheme of lower order.
+    twins : tuple of ndarray, or None
+        Difference of the last two states whose rates are computed, both for the end of the step; and the
+        difference of these rates. None where the scheme has no such two.
     last : ndarray or None
         Rate at the state, with which the next step begins; None where the scheme has it not.
     inside : callable or None
@@ -68,6 +71,7 @@ class Step(NamedTuple):
 
     state: np.ndarray
     difference: np.ndarray
+    twins: tuple[np.ndarray, np.ndarray] | None = None
     last: np.ndarray | None = None
     inside: Callable[[float], np.ndarray] | None = None
 
@@ -127,9 +131,9 @@ def rk3_step(rate: Rate, y: np.ndarray, h: float, first: np.ndarray) -> Step:
 
 def dopri54_step(rate: Rate, y: np.ndarray, h: float, first: np.ndarray) -> Step:
     """One step of Dormand and Prince's pair of orders 5 and 4; its last rate begins the next step."""
-    rates = [first]
+    rates, new = [first], y
     for weights in DOPRI_STAGES:
-        new = y + h * sum(w * k for w, k in zip(weights, rates, strict=True) if w)
+        before, new = new, y + h * sum(w * k for w, k in zip(weights, rates, strict=True) if w)
         rates.append(rate(new))
 
     def weighted(weights: Sequence[float] | np.ndarray) -> np.ndarray:
@@ -138,7 +142,8 @@ def dopri54_step(rate: Rate, y: np.ndarray, h: float, first: np.ndarray) -> Step
     def inside(theta: float) -> np.ndarray:
         return y + weighted(dopri54_weights(theta))
 
-    return Step(new, weighted(DOPRI_ERROR), rates[-1], inside)
+    twins = new - before, rates[-1] - rates[-2]
+    return Step(new, weighted(DOPRI_ERROR), twins, rates[-1], inside)
 
 
 def dopri54_weights(theta: float) -> np.ndarray:

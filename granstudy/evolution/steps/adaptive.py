@@ -32,6 +32,10 @@ FIRST_CHANGE = 0.01
 FIRST_PART = 0.3
 """First step of a scheme with an interpolant, in parts of the one that would just keep the tolerance."""
 
+FASTEST = 1.8
+"""Step at most, over the time of the fastest part that the step has excited (`AdaptiveSteps._fastest`). Steps
+of `dopri54` that only their error limits settle at about 2.2, where noise neither grows nor fades."""
+
 TOO_SMALL = (
     "the step fell to {h:.1e} and its error is still above time_rtol: take a larger time_rtol, or a "
     "larger N and R"
@@ -108,13 +112,14 @@ class AdaptiveSteps:
                 tried = rest if h >= rest else min(h, rest / 2)
                 made, error = self._try(state, tried)
                 following = self._next_step(tried, error)
+                largest = self._largest(made, state, error)
                 if made is None or error > 1.0:
                     self.rejected += 1
-                    h = following
+                    h = min(following, largest)
                     if h < SMALLEST_STEP * max(t, self._times[1]):
                         raise StoppedError(self.accepted + 1, t, TOO_SMALL.format(h=h))
                     continue
-                h = max(following, h) if tried < h else following
+                h = min(max(following, h) if tried < h else following, largest)
                 self.accepted += 1
                 # Steps are as large as their error allows: an unstable part would grow to the tolerance.
                 new = self._equation.symmetrise(made.state)
@@ -206,6 +211,18 @@ class AdaptiveSteps:
             return h * max(LEAST_CHANGE, min(SAFETY, factor))
         self._before = error
         return h * min(LARGEST_CHANGE, max(LEAST_CHANGE, factor))
+
+    def _largest(self, made: Step | None, state: np.ndarray, error: float) -> float:
+        """Largest step after a step, with whose fastest part noise fades.
+
+        The rate of that part is |k − k'|/|y − y'| of two states y and y' for the end of the step (E. Hairer &
+        G. Wanner, Solving Ordinary Differential Equations II, §IV.2). Their difference is where the solution
+        is rough, and more so once there is noise: without this limit, noise would grow to the tolerance.
+        """
+        if made is None or made.twins is None or error < LEAST_ERROR:
+            return np.inf
+        apart, rate = (self._equation.relative_size(change, state) for change in made.twins)
+        return FASTEST * apart / rate if rate > 0.0 else np.inf
 
     def _first_step(self, state: np.ndarray) -> float:
         """The first step to try, at most the time to where it has to end."""
