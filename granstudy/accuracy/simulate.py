@@ -73,7 +73,7 @@ def simulate(
     scheme : str, optional
         ===============  =========================================================================
         ``rk3``          order 3, the paper's; default with ``dt``
-        ``dopri54``      order 5; default with ``time_rtol``
+        ``dopri54``      order 5; default with ``time_rtol``, outputs then lie inside steps
         ``exponential``  order 3, with exact diffusion, which then does not limit the step
         ===============  =========================================================================
     conserve : sequence of str

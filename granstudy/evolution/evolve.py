@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from granstudy.collision.fast.adaptive.retuning import Tuning
+from granstudy.collision.fast.adaptive.retuning import LONG_STEP, Tuning
 from granstudy.collision.operator import collision_operator
 from granstudy.collision.protocol import CollisionOperator, wisdom_attributes
 from granstudy.datasets.run_dataset import Header, Record
@@ -152,7 +152,7 @@ class _Observer:
         self._settings = settings
         self._run = run
         self._outputs = run.steps.outputs
-        self._tuning = Tuning(run.operator)
+        self._tuning = Tuning(run.operator, LONG_STEP if run.steps.outputs_inside else 1)
         self._examination = Examination(run.scene, run.operator.grid, settings.recorded, run.rates)
         self._scale = 1.0
         self.record = Record(health=self._examination.outputs, plans=self._tuning.plans)

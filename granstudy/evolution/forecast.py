@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from granstudy.collision.choice.cost import MethodCost, memory_mb, on_threads
 from granstudy.collision.choice.methods import OPERATORS
 from granstudy.collision.fast.adaptive.plan import QuadraturePlan, TunedOperator
-from granstudy.collision.fast.adaptive.retuning import CHECK_EVERY
+from granstudy.collision.fast.adaptive.retuning import CHECK_EVERY, LONG_STEP
 from granstudy.collision.operator import choose, collision_operator
 from granstudy.evolution.schemes import SCHEMES
 from granstudy.evolution.stability import adaptive_steps
@@ -163,7 +163,7 @@ def plan(
 def expected_evaluations(scene: Scene, solver: SizedSolver, settings: TimeSettings) -> int:
     """Evaluations of Q in a run: exact where dt is given, else an estimate (`adaptive_steps`)."""
     scheme, steps = SCHEMES[settings.scheme], expected_steps(scene, solver, settings)
-    if settings.time_rtol is None or not scheme.interpolation_error:
+    if not _outputs_inside(settings):
         return scheme.evaluations * steps
     return 1 + (scheme.evaluations - 1) * steps  # the last rate of a step is the first of the next
 
@@ -178,7 +178,7 @@ def expected_steps(scene: Scene, solver: SizedSolver, settings: TimeSettings) ->
         else solver.grid(scene.dim)
     )
     # Steps end at outputs, unless these lie inside them.
-    ends = 1 if SCHEMES[settings.scheme].interpolation_error else len(settings.outputs)
+    ends = 1 if _outputs_inside(settings) else len(settings.outputs)
     return ends + adaptive_steps(
         scene,
         grid,
@@ -187,6 +187,11 @@ def expected_steps(scene: Scene, solver: SizedSolver, settings: TimeSettings) ->
         settings.t_final,
         rescaled=settings.rescaled,
     )
+
+
+def _outputs_inside(settings: TimeSettings) -> bool:
+    """Whether outputs lie inside steps."""
+    return settings.time_rtol is not None and SCHEMES[settings.scheme].interpolation_error > 0.0
 
 
 def step_seconds(scene: Scene, solver: SizedSolver) -> float:
@@ -210,6 +215,8 @@ def _plan_operator(scene: Scene, choice: Choice, settings: TimeSettings | None) 
     each = on_threads(one_thread, cost.efficiency, threads)
     # A tolerance is checked now and then by a finer quadrature, at about a step's time.
     checks = 3 * steps / CHECK_EVERY if count.plan is not None else 0.0
+    if settings is not None and _outputs_inside(settings):
+        checks *= LONG_STEP
     seconds = on_threads(cost.setup(scene, solver, one_thread), cost.efficiency, threads)
     seconds += (evaluations + checks) * each + (steps + outputs) * step_seconds(scene, solver)
     reasons = [choice.reason, NOT_TIMED if solver.device == "gpu" else ""]

@@ -9,13 +9,11 @@ from granstudy import theory
 from granstudy.model.restitution import Restitution
 from granstudy.model.scene import Scene
 from granstudy.trust import health
+from granstudy.trust.balance_times import balance_times
 from granstudy.trust.changes import Change
 from granstudy.trust.initial_errors import StartMoments, errors_of, true_start
 from granstudy.trust.pair_rates import CollisionRates, RatesAt
 from granstudy.velocity.space import VelocitySpace
-
-BALANCES = 20
-"""Balances in a run, about; each takes an evaluation of Q, and transforms on twice the box."""
 
 RELAXATION = 0.5
 """Rate at which an error of a2 is taken to relax, in parts of the rate of linear theory."""
@@ -131,7 +129,8 @@ class Memory(NamedTuple):
 
     ``first`` are the moments of the first output. ``clock`` is the collisions' time now, ``balanced_at`` that
     of the last ``balance``. ``settled`` are the errors at that time by imbalance, ``stepped`` those by steps.
-    ``passed`` are the times of balances that have passed.
+    ``passed`` are the times of balances that have passed. ``open`` has a row for each output since then: its
+    clock, and the errors of T and a2 that its steps and its interpolation have made.
     """
 
     first: health.Moments
@@ -141,6 +140,7 @@ class Memory(NamedTuple):
     settled: Settled
     stepped: Change
     passed: int
+    open: np.ndarray
 
 
 class Examination:
@@ -176,6 +176,7 @@ class Examination:
         self._balance: Balance | None = None
         self._settled = Settled(0.0, 0.0, 0.0)
         self._stepped = Change(0.0, 0.0)
+        self._open: list[tuple[float, Change]] = []
         self.outputs: list[dict[str, float]] = []
 
     @property
@@ -189,12 +190,14 @@ class Examination:
             self._settled,
             self._stepped,
             self._passed,
+            np.array([(clock, *made) for clock, made in self._open]).reshape(-1, 3),
         )
 
     def resume(self, memory: Memory, outputs: Sequence[dict[str, float]]) -> None:
         """Go on from a memory, and from the outputs until then."""
         self._first, self._clock, self._balanced_at, self._balance = memory[:4]
-        self._settled, self._stepped, self._passed = memory[4:]
+        self._settled, self._stepped, self._passed = memory[4:7]
+        self._open = [(clock, Change(*made)) for clock, *made in memory.open.tolist()]
         self.outputs[:] = outputs
 
     def step(self, clock: float, error: Change) -> None:
@@ -225,6 +228,8 @@ class Examination:
     ) -> dict[str, str]:
         """Examine an output; returns its warnings, by the names of `granstudy.trust.health.SIGNS`.
 
+        Its errors by imbalance are those by the rates of the last balance, until the next one is there.
+
         Parameters
         ----------
         f : ndarray, shape grid.shape
@@ -239,15 +244,15 @@ class Examination:
             start = StartMoments(*(float(values[name]) for name in StartMoments._fields))
             off = errors_of(start, self._true)
             self._settled = Settled(off.temperature, off.a2, 0.0)
-        grown = self._grown(self._balance)
-        T = self._stepped.temperature + STEPS_COUNT * abs(passing.temperature)
-        a2 = self._stepped.a2 + STEPS_COUNT * abs(passing.a2)
+        made = Change(
+            self._stepped.temperature + STEPS_COUNT * abs(passing.temperature),
+            self._stepped.a2 + STEPS_COUNT * abs(passing.a2),
+        )
         output = health.state_of_health(f, values, self._first, self._grid)
-        output |= {
-            "temperature": min(grown.temperature + T, LARGEST),
-            "a2": min(grown.a2 + a2, LARGEST),
-        }
+        output |= _total(self._grown(self._balance), made)
         self.outputs.append(output)
+        if self._clock > self._balanced_at:
+            self._open.append((self._clock, made))
         return health.warnings(output)
 
     def is_due(self, time: float) -> bool:
@@ -298,14 +303,36 @@ class Examination:
         mass_error = abs(density / self._true.density - 1.0)
         exponent, dim = self._scene.kernel.exponent, self._grid.dim
         balance = balance_of(now, removed, mass_error, restitution, dim, exponent, heating)
+        self._close(balance)
         self._settled = self._grown(balance)
         self._balance, self._balanced_at = balance, self._clock
+
+    def _close(self, balance: Balance) -> None:
+        """Give the outputs since the last balance their errors, with rates that go evenly to this one's."""
+        if not self._open:
+            return
+        before = self._balance or balance
+        elapsed = self._clock - self._balanced_at
+        for output, (clock, made) in zip(self.outputs[-len(self._open) :], self._open, strict=True):
+            passed = clock - self._balanced_at
+            pairs = zip(before, balance, strict=True)
+            now = Balance(*(a + passed / elapsed * (b - a) for a, b in pairs))
+            output.update(_total(settled(self._settled, before, now, passed), made))
+        self._open.clear()
 
     def _grown(self, now: Balance | None) -> Settled:
         """Errors by imbalance at the present time, with rates that go evenly to those of ``now``."""
         if now is None:
             return self._settled
         return settled(self._settled, self._balance or now, now, self._clock - self._balanced_at)
+
+
+def _total(grown: Settled, made: Change) -> dict[str, float]:
+    """Errors of T and a2 together, as signs of health."""
+    return {
+        "temperature": min(grown.temperature + made.temperature, LARGEST),
+        "a2": min(grown.a2 + made.a2, LARGEST),
+    }
 
 
 def balance_of(
@@ -347,17 +374,6 @@ def settled(start: Settled, before: Balance, now: Balance, elapsed: float) -> Se
         elapsed,
     )
     return Settled(temperature, a2, other)
-
-
-def balance_times(times: np.ndarray) -> np.ndarray:
-    """Times at which balances are due in a run with outputs at ``times``; there are about `BALANCES`.
-
-    Errors may grow exponentially: where there are few outputs, they do not tell how their growth went.
-    """
-    every = max(1, (len(times) - 1) // BALANCES)
-    parts = int(np.ceil(BALANCES / max(1, len(times) - 1)))
-    inner = np.multiply.outer(np.diff(times), np.arange(1, parts) / parts) + times[:-1, None]
-    return np.unique([*times[::every], times[-1], *inner.ravel()])
 
 
 def a2_relaxation(restitution: Restitution, dim: int, exponent: float) -> float:

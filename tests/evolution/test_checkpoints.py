@@ -51,6 +51,11 @@ RUNS = {
     for frame in ("fixed", "rescaled")
     for time in (FIXED, ADAPTIVE)
 } | {
+    "outputs inside steps": (
+        HEATED,
+        RADIAL,
+        {"t_final": 2.0, "time_rtol": 1e-3, "frame": "rescaled", "save_every": 1},
+    ),
     "conserving": (DRIFTING, PLANE, ADAPTIVE | RESCALED | ALL),
     "drifting": (DRIFTING, PLANE, ADAPTIVE | RESCALED | {"save_every": 1}),
     "literal": (DRIFTING, replace(PLANE, method="literal"), ADAPTIVE | {"save_every": 1}),

@@ -5,7 +5,7 @@ import pytest
 from comparison import assert_order
 
 import granstudy as gs
-from granstudy.evolution.schemes import SCHEMES, phi
+from granstudy.evolution.schemes import DOPRI_STAGES, SCHEMES, dopri54_weights, phi
 
 
 class Riccati:
@@ -66,6 +66,41 @@ def test_a_rate_that_does_not_change_is_kept_between_dopri54_steps():
     equation, y = Riccati(), np.array([0.7])
     made = SCHEMES["dopri54"].step(equation, y, 0.3, equation.rate(y))
     np.testing.assert_array_equal(made.last, equation.rate(made.state))
+
+
+def test_the_interpolant_of_dopri54_meets_all_conditions_of_order_four():
+    """Σ b_i(θ) Φ_i = θ^p/γ over the rooted trees, and nowhere an order more."""
+    A = np.array([[*row, *[0.0] * (7 - len(row))] for row in ((), *DOPRI_STAGES)])
+    c = A.sum(axis=1)
+    trees = [
+        (1, 1, c**0),
+        (2, 2, c),
+        (3, 3, c**2),
+        (3, 6, A @ c),
+        (4, 4, c**3),
+        (4, 8, c * (A @ c)),
+        (4, 12, A @ c**2),
+        (4, 24, A @ A @ c),
+    ]
+    for theta in (0.1, 0.5, 0.9, 1.0):
+        b = dopri54_weights(theta)
+        for order, gamma, phi_i in trees:
+            assert b @ phi_i == pytest.approx(theta**order / gamma, abs=1e-14)
+        assert theta == 1.0 or abs(b @ c**4 - theta**5 / 5) > 1e-5
+    assert dopri54_weights(1.0)[:6] == pytest.approx(DOPRI_STAGES[-1], abs=1e-15)
+
+
+def test_the_interpolant_of_dopri54_has_errors_of_fifth_order_below_what_its_scheme_says():
+    made, equation, y = SCHEMES["dopri54"], Riccati(), np.ones(1)
+    sizes = np.array([0.2, 0.1, 0.05])
+    for theta in (0.25, 0.7):
+        errors = []
+        for h in sizes:
+            step = made.step(equation, y, h, equation.rate(y))
+            errors.append(abs(step.inside(theta)[0] - equation.exact(theta * h)))
+            assert errors[-1] < made.interpolation_error * abs(step.difference[0])
+        orders = np.diff(np.log(errors)) / np.diff(np.log(sizes))
+        assert np.all(np.abs(orders - 5) < 0.7), orders
 
 
 def test_phi_is_smooth_through_the_change_from_series_to_quotient():

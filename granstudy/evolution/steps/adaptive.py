@@ -33,7 +33,7 @@ FIRST_PART = 0.3
 """First step of a scheme with an interpolant, in parts of the one that would just keep the tolerance."""
 
 FASTEST = 1.8
-"""Step at most, over the time of the fastest part that the step has excited (`AdaptiveSteps._fastest`). Steps
+"""Step at most, over the time of the fastest part that the step has excited (`AdaptiveSteps._largest`). Steps
 of `dopri54` that only their error limits settle at about 2.2, where noise neither grows nor fades."""
 
 TOO_SMALL = (
@@ -53,6 +53,8 @@ class AdaptiveSteps:
     ----------
     outputs : int
         Number of outputs, the start included.
+    outputs_inside : bool
+        Whether outputs lie inside steps: where the scheme has an interpolant.
     accepted, rejected : int
         Steps made, and steps taken back, so far.
     evaluations : int
@@ -66,8 +68,8 @@ class AdaptiveSteps:
     ) -> None:
         self._equation, self._scheme = equation, scheme
         self._times, self._rtol = times, rtol
-        self._continuous = scheme.interpolation_error > 0.0
-        self._ends = times[-1:] if self._continuous else times[1:]
+        self.outputs_inside = scheme.interpolation_error > 0.0
+        self._ends = times[-1:] if self.outputs_inside else times[1:]
         self.outputs = len(times)
         self.accepted = self.rejected = self.evaluations = 0
         self._first: np.ndarray | None = None
@@ -84,7 +86,7 @@ class AdaptiveSteps:
             If no step is small enough.
         """
         self._at = float(self._times[0]), state, None
-        if self._continuous:
+        if self.outputs_inside:
             # Whoever sees a state that runs away stops.
             with suppress(*RAN_AWAY):
                 self._first = self._rate(state)
@@ -128,7 +130,7 @@ class AdaptiveSteps:
                 outputs = self._times[(self._times > t) & (self._times < end)]
                 if len(outputs):
                     yield from self._inside(outputs, (t, state), (end, new), made, error_made)
-                if self._continuous:
+                if self.outputs_inside:
                     assert self._first is not None
                     self._start = End(t, state, self._first)
                 error_made *= (end - outputs[-1]) / (end - t) if len(outputs) else 1.0
@@ -230,7 +232,7 @@ class AdaptiveSteps:
             self._first = self._rate(state)
         change = self._equation.relative_size(self._first, state)
         part, order = FIRST_CHANGE, self._scheme.error_order + 1
-        if self._continuous:
+        if self.outputs_inside:
             part = FIRST_PART * (self._rtol / self._scheme.difference) ** (1.0 / order)
         return float(part / max(change, part / (self._ends[0] - self._times[0])))
 

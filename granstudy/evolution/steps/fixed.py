@@ -17,9 +17,13 @@ class FixedSteps:
     ----------
     outputs : int
         Number of outputs, the start included.
+    outputs_inside : bool
+        Whether outputs lie inside steps: no.
     position : Position
         Where the steps stand, once they march.
     """
+
+    outputs_inside = False
 
     def __init__(self, equation: MeasuredEquation, scheme: Scheme, dt: float, steps: int) -> None:
         self._equation, self._scheme = equation, scheme

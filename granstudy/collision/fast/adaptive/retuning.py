@@ -15,12 +15,21 @@ CHECK_EVERY = 50
 FIRST_CHECK = 10
 """Step of the first check, as densities change fastest at the start."""
 
+LONG_STEP = 4
+"""Steps that one counts as where outputs lie inside steps: such steps are as long as their error allows."""
+
 EASED = 0.1
 """Error, in parts of the tolerance, below which a quadrature is finer than it need be."""
 
 
 class Tuning:
     """The quadratures of one run.
+
+    Parameters
+    ----------
+    operator : CollisionOperator
+    pace : int
+        Steps that a step of the run counts as.
 
     Attributes
     ----------
@@ -29,7 +38,8 @@ class Tuning:
         tolerance.
     """
 
-    def __init__(self, operator: CollisionOperator) -> None:
+    def __init__(self, operator: CollisionOperator, pace: int = 1) -> None:
+        self._pace = pace
         self._operator = operator if isinstance(operator, TunedOperator) else None
         self.plans: list[dict[str, Any]] = []
         self._record(0.0)
@@ -51,9 +61,10 @@ class Tuning:
         dict
             Warnings by name: ``rtol`` where the tolerance can no longer be reached.
         """
-        operator = self._operator
-        due = step == FIRST_CHECK or (step > 0 and step % CHECK_EVERY == 0)
-        if operator is None or not due:
+        operator, counted = self._operator, step * self._pace
+        before = counted - self._pace
+        due = before < FIRST_CHECK <= counted or counted // CHECK_EVERY > before // CHECK_EVERY
+        if operator is None or step == 0 or not due:
             return {}
         error, rtol = operator.check(f), operator.plan.rtol
         if EASED * rtol <= error <= rtol:
