@@ -20,6 +20,7 @@ from granstudy.evolution.steps.points import Point, StoppedError
 from granstudy.support.errors import RAN_AWAY
 from granstudy.trust import health
 from granstudy.trust.changes import Change
+from granstudy.trust.error_estimate import NOTHING
 from granstudy.trust.flags import Status
 from granstudy.velocity.moments import moment_values
 
@@ -186,7 +187,7 @@ class Run:
         failed = health.failure(values)
         if failed:
             raise StoppedError(point.step, point.time, failed)
-        passing = Change(0.0, 0.0)
+        passing = NOTHING
         if point.difference is not None:
             change = frame.moment_change(state, point.difference)
             ledger.step(frame.clock(state, point.time), change.scaled(point.share))

@@ -33,7 +33,7 @@ from granstudy.support.errors import RAN_AWAY
 from granstudy.support.progress import Progress, watched
 from granstudy.trust import health
 from granstudy.trust.changes import Change
-from granstudy.trust.error_estimate import Examination
+from granstudy.trust.error_estimate import NOTHING, Examination
 from granstudy.trust.flags import Status
 from granstudy.trust.pair_rates import RatesAt
 from granstudy.velocity.moments import moment_values
@@ -193,7 +193,7 @@ class _Observer:
             if not self.record.moments:
                 self._record(point, f, frame.record(values, state))
             raise StoppedError(point.step, point.time, failed)
-        passing = Change(0.0, 0.0)
+        passing = NOTHING
         if point.difference is not None:
             change = frame.moment_change(state, point.difference)
             self._examination.step(frame.clock(state, point.time), change.scaled(point.share))

@@ -98,7 +98,7 @@ class Scheme:
     exact_diffusion : bool
         Whether diffusion is exact, so that it does not limit h.
     interpolation_error : float
-        Error of the interpolant over D at most, for any equation; 0 where the scheme has none.
+        Error of the interpolant over D, the largest of its terms of order 5; 0 where the scheme has none.
     """
 
     first: Callable[[Equation, np.ndarray], np.ndarray]

@@ -1,4 +1,4 @@
-"""Steps that adapt: the error follows the tolerance, outputs are hit, hopeless runs stop."""
+"""Steps that adapt: errors follow the tolerance, outputs lie inside, noise fades, hopeless runs stop."""
 
 import json
 

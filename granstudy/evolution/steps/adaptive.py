@@ -123,7 +123,7 @@ class AdaptiveSteps:
                     continue
                 h = min(max(following, h) if tried < h else following, largest)
                 self.accepted += 1
-                # Steps are as large as their error allows: an unstable part would grow to the tolerance.
+                # Where steps are as large as their error allows, an unstable part grows to the tolerance.
                 new = self._equation.symmetrise(made.state)
                 end = float(target) if tried == rest else t + tried
                 error_made = self._scheme.error(error * self._rtol)

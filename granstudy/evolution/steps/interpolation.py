@@ -5,9 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-ORDER = 6
-"""Order of the error of three ends: as large as that of a step of a scheme of order 5."""
-
 
 class End(NamedTuple):
     """The end of a step, which is the start of the next: a state and its rate of change."""
@@ -20,7 +17,7 @@ class End(NamedTuple):
 def hermite(ends: Sequence[End], time: float) -> np.ndarray:
     """The polynomial of least degree with the states and rates of all ends, at a time.
 
-    Three ends give degree 5. For y' = (z/h) y its error is z⁶/720 Π_i ((t − t_i)/h)² (`hermite_error`).
+    Three ends give degree 5 and an error O(h⁶), as a step of a scheme of order 5 has (`hermite_error`).
     """
     times = np.array([end.time for end in ends])
     found = np.zeros_like(ends[-1].state)
@@ -35,6 +32,6 @@ def hermite(ends: Sequence[End], time: float) -> np.ndarray:
 
 
 def hermite_error(ends: Sequence[End], time: float) -> float:
-    """Error of `hermite` by three ends for y' = (z/h) y, over z⁶, h the last step, z small."""
+    """Error of `hermite` by three ends for y' = (z/h) y, over z⁶: Π_i ((t − t_i)/h)²/720, h the last step."""
     h = ends[-1].time - ends[-2].time
     return float(np.prod([((time - end.time) / h) ** 2 for end in ends]) / 720)
