@@ -35,7 +35,7 @@ tried: the error is of second order."""
 
 
 class Origin(NamedTuple):
-    """Where a run can begin again on another radial grid: density, frame, what brought it there cost."""
+    """Where a run can begin again on another radial grid: density, frame, and the error made on the way."""
 
     source: Source
     place: Place
@@ -45,8 +45,8 @@ class Origin(NamedTuple):
 class Chosen(NamedTuple):
     """A leg, the state that it begins from, and the error that beginning makes.
 
-    ``needed`` says what is missing where no grid is good enough; "" where one is. ``origin`` is where a radial
-    leg can begin again.
+    ``needed`` says what is missing where no grid is good enough; "" where one is. ``origin`` is that of a
+    radial leg.
     """
 
     leg: Leg
@@ -89,13 +89,13 @@ class Chooser:
     ) -> None:
         self._gas, self._asked, self._start = gas, asked, start
         self._at_start, self._cut = at_start, cut
-        self._left, self._memory = left, memory
+        self.left, self._memory = left, memory
 
     def first(self) -> Chosen:
         """The grid to start on."""
         place = Place(0.0, 0.0, self._gas.velocity)
         radius = FIRST_RADIUS * float(np.sqrt(self._start.true.temperature))
-        allowed = allowed_growth(self._asked, self._at_start, Change(0.0, 0.0), self._left)
+        allowed = allowed_growth(self._asked, self._at_start, Change(0.0, 0.0), self.left)
         tried = self._search(self._start, place, allowed, radius, self._cut)
         chosen = self._chosen(tried, place, self._lost(self._start, tried), "the start")
         if self._cut is None:
@@ -106,12 +106,12 @@ class Chooser:
         self, leg: Leg, state: np.ndarray, time: float, allowed: Allowed, reason: str
     ) -> Chosen:
         """Another Cartesian grid for a state; the present one where no other is much better."""
-        f, place = leg.frame.density(state), leg.place(state, time)
-        assert isinstance(leg.grid, VelocityGrid)
-        source, now = Present(f, leg.grid), leg.balance(state)
+        f, place, grid = leg.frame.density(state), leg.place(state, time), leg.grid
+        assert isinstance(grid, VelocityGrid)
+        source, now = Present(f, grid), leg.balance(state)
         need, ratio = Need(allowed, self._most), allowed.ratio(now)
         scene = replace(self._gas.scene, restitution=leg.frame.restitution(state))
-        cut = truncation(scene, leg.grid, without_noise(f, leg.grid))
+        cut = truncation(scene, grid, without_noise(f, grid))
         search = Search(self._gas, source, place, need, cut, TARGET, self._memory)
         try:
             tried = search.go_on(leg, ratio)
@@ -177,8 +177,10 @@ class Chooser:
         return Search(self._gas, source, place, need, cut, TARGET, self._memory).find()
 
     def _lost(self, source: Source, tried: Tried) -> Change:
-        """The error of a density's way to a grid; of a present one, the difference of the exact rates, until
-        it relaxes."""
+        """The error that putting a density on a grid makes.
+
+        Of a present density: the difference of the exact rates, until it relaxes.
+        """
         if not isinstance(source, Present):
             return source.lost(tried.leg.grid)
         if source.grid == tried.leg.grid:

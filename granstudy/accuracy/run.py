@@ -36,6 +36,9 @@ EASY = 0.02
 LOOSEST, TIGHTEST = 1e-3, 1e-12
 """Tolerances of a step."""
 
+MOST = 0.9
+"""Errors by the grid over those asked for, above which a run begins again."""
+
 STEP_TOLERANCE = 0.1
 """First tolerance of a step, over the smaller of the asked errors."""
 
@@ -217,13 +220,27 @@ class Run:
             ledger.step(frame.clock(state, point.time), frame.moment_change(state, point.error))
         balance = ledger.balance
         assert balance is not None
-        due = ledger.since_balance * balance.relaxing >= BALANCES or point.is_output
+        pace = max(balance.relaxing, 1.0 / self._chooser.left)
+        due = ledger.since_balance * pace >= BALANCES or point.is_output
         if due and point.step > 0:
             ledger.weigh(leg.balance(state, point.rate))
         if point.is_output:
             self._output(leg, point, f, values)
-        asks = due and point.step > 0 and point.time < self._times[-1]
-        return self._wish(leg, point, values) if asks else None
+        if not due or point.step == 0:
+            return None
+        return self._too_much() or (
+            self._wish(leg, point, values) if point.time < self._times[-1] else None
+        )
+
+    def _too_much(self) -> Wish | None:
+        """The wish to begin again where errors by the grid came to more than was asked."""
+        if self._beginning is None or self._on_the_last:
+            return None
+        grid, asked = self.ledger.by_grid, self._asked
+        ratio = max(grid.temperature / asked.temperature, grid.a2 / asked.a2)
+        return (
+            Wish("grid", f"errors came to {ratio:.2g} times those asked") if ratio > MOST else None
+        )
 
     def _wish(self, leg: Leg, point: Point, values: dict[str, Any]) -> Wish | None:
         """What the state of the accounts asks for."""

@@ -63,10 +63,10 @@ def radial_grid(
 def larger_grid(
     gas: Gas, source: Source, place: Place, need: Need, too_small: SizedSolver, target: float
 ) -> Tried | None:
-    """The next grid after one on which errors grew too fast: closer speeds and a larger radius; None after all.
+    """The next grid after one on which errors grew too fast; None after the last.
 
-    What the density is like where errors grew cannot be seen on the grid that made them: so both grow, R as
-    `RADIUS_GROWTH` says.
+    The grid that made the errors cannot tell what the density is like there. So speeds become closer and R
+    larger, as `RADIUS_GROWTH` says.
     """
     more = [N for N in SPEEDS if N > too_small.N]
     if not more:
