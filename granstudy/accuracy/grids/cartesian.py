@@ -144,8 +144,8 @@ class Search:
 
         What is predicted for the grid itself says what to change. Where that is little, the quadrature is
         planned anew. Where pairs are cut off, nodes are added beyond the border, and all others stay. The
-        same where another quadrature does not help: a grid cannot tell what a tail is like beyond it. Else the
-        spacing becomes smaller.
+        same where another quadrature does not help: a grid cannot tell what a tail is like beyond it. Else
+        the spacing becomes smaller.
         """
         now = leg.solver
         assert now.rtol is not None
