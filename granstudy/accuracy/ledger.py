@@ -42,8 +42,8 @@ class Ledger:
             for source, now in self._linear.items():
                 self._linear[source] = self._faded(now, elapsed)
         made = _counted(error)
-        self._linear["steps"] = _sum(self._linear["steps"], made)
-        self._made = _sum(self._made, made)
+        self._linear["steps"] = self._linear["steps"].plus(made)
+        self._made = self._made.plus(made)
 
     def weigh(self, balance: Balance) -> None:
         """Take the rates of a balance, and settle what the grid's errors have grown to."""
@@ -54,7 +54,7 @@ class Ledger:
     def restart(self, balance: Balance, change: Change) -> None:
         """Go on from a balance on another grid; the change of grid made an error."""
         self.balance, self._balanced_at = balance, self._clock
-        self._linear["changes"] = _sum(self._linear["changes"], change)
+        self._linear["changes"] = self._linear["changes"].plus(change)
 
     def step_rate(self) -> Change:
         """Errors that steps made in a unit of the collisions' time, since this was last asked."""
@@ -88,7 +88,7 @@ class Ledger:
             grid = settled(grid, self.balance, self.balance, self.since_balance)
         found = {"grid": Change(min(grid.temperature, LARGEST), min(grid.a2, LARGEST))}
         found |= self._linear
-        return found | {"steps": _sum(found["steps"], _counted(passing))}
+        return found | {"steps": found["steps"].plus(_counted(passing))}
 
     def total(self, passing: Change = NOTHING) -> Change:
         """Errors by all sources together; ``passing`` as of `estimates`."""
@@ -108,10 +108,6 @@ class Ledger:
             ),
             float(error.a2 * np.exp(-elapsed * balance.relaxing)),
         )
-
-
-def _sum(a: Change, b: Change) -> Change:
-    return Change(a.temperature + b.temperature, a.a2 + b.a2)
 
 
 def _counted(error: Change) -> Change:
