@@ -1,13 +1,11 @@
 # Studies of granular gases. `snakemake --cores 2` regenerates the paper; another study by
-# `snakemake --cores 2 --config study=path/to/study.yaml`.
+# `snakemake --cores 2 --config study=my_study.yaml`.
+from importlib.resources import files
+
+config.setdefault("study", "studies/paper.yaml")
 
 
-include: "workflow/rules/common.smk"
-include: "workflow/rules/run.smk"
-include: "workflow/rules/aggregate.smk"
-include: "workflow/rules/map.smk"
-include: "workflow/rules/notebook.smk"
-include: "workflow/rules/plan.smk"
+include: str(files("granstudy") / "workflow" / "rules" / "study.smk")
 
 
 rule all:

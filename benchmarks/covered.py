@@ -18,7 +18,7 @@ import click
 
 REPOSITORY = Path(__file__).parents[1]
 
-TABLE = REPOSITORY / "results/checks/coverage.csv"
+TABLE = REPOSITORY / "docs/results/checks/coverage.csv"
 
 
 def measured(arguments: tuple[str, ...], folder: Path) -> dict[str, dict[str, Any]]:

@@ -15,7 +15,7 @@ import click
 from mutations import Mutation, sample
 from shown_tests import REPOSITORY, chosen_tests, copy_repository, importers, look, outcome, preload
 
-TABLE = REPOSITORY / "results/checks/mutants.csv"
+TABLE = REPOSITORY / "docs/results/checks/mutants.csv"
 
 ROOMS = ("collision", "quadrature", "velocity", "trust")
 

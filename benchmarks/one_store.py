@@ -130,8 +130,7 @@ def snakemake(folder: Path, study: str, values: list[float]) -> None:
 def stages(folder: Path, points: int, more: int) -> list[Stage]:
     """All stages one after the other, in a folder."""
     shutil.copy(REPOSITORY / "Snakefile", folder)
-    for name in ("workflow", "profiles"):
-        shutil.copytree(REPOSITORY / name, folder / name)
+    shutil.copytree(REPOSITORY / "profiles", folder / "profiles")
     every = restitutions(points, more)
     first, results = every[:points], folder / "results"
     found = []

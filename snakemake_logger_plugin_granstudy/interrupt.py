@@ -60,7 +60,7 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     """
     if _stopped.is_set():
         for process in _jobs():
-            _send(process, signal.SIGKILL)
+            _kill(process)
         raise KeyboardInterrupt
     _stopped.set()
     finish = _scheduler()
@@ -102,11 +102,11 @@ def _end_jobs(finish: Callable[..., object] | None) -> None:
         for process in _jobs():
             if process not in told:
                 told[process] = time.monotonic()
-                _send(process, signal.SIGKILL if _is_shell(process) else signal.SIGTERM)
+                (_kill if _is_shell(process) else _tell)(process)
         left = [process for process in told if _lives(process)]
         for process in left:
             if time.monotonic() - told[process] > GRACE:
-                _send(process, signal.SIGKILL)
+                _kill(process)
         if not left and not threading.main_thread().is_alive():
             return
         time.sleep(0.05)
@@ -142,7 +142,15 @@ def _lives(process: psutil.Process) -> bool:
         return False
 
 
-def _send(process: psutil.Process, number: signal.Signals) -> None:
+def _tell(process: psutil.Process) -> None:
+    """Tell a process to end, by SIGTERM; Windows ends it at once."""
     with suppress(psutil.Error, OSError):
         if process.pid != os.getpid():
-            process.send_signal(number)
+            process.terminate()
+
+
+def _kill(process: psutil.Process) -> None:
+    """End a process, by SIGKILL."""
+    with suppress(psutil.Error, OSError):
+        if process.pid != os.getpid():
+            process.kill()

@@ -4,11 +4,17 @@ Snakemake writes its lock as files, which outlive a process that is killed; `--u
 user. A lock of the operating system does not: it tells a dead Snakemake from a living one.
 """
 
-import fcntl
 import socket
 from contextlib import suppress
 from pathlib import Path
 from typing import TextIO
+
+try:
+    from fcntl import LOCK_EX, LOCK_NB, LOCK_SH, flock
+except ImportError:  # Windows, where `snakemake --unlock` takes off a lock
+    HAS_LOCKS = False
+else:
+    HAS_LOCKS = True
 
 _held: list[TextIO] = []
 """The open file whose lock says, until this process ends, that it lives."""
@@ -18,15 +24,15 @@ def clear_stale(folder: Path = Path(".snakemake")) -> bool:
     """Remove the lock that a dead Snakemake of this host left; returns whether there was one.
 
     To be called before Snakemake locks the directory. From now on this process counts as living. Where
-    another one lives, or the file system knows no such locks, nothing is removed.
+    another one lives, or the platform or its file system knows no such locks, nothing is removed.
     """
+    if not HAS_LOCKS:
+        return False
     folder.mkdir(exist_ok=True)
     file = open(folder / "granstudy.alive", "a+", encoding="utf-8")  # noqa: SIM115  stays open
     _held.append(file)
     try:
-        fcntl.flock(
-            file, fcntl.LOCK_EX | fcntl.LOCK_NB
-        )  # fails where anyone holds it, shared or not
+        flock(file, LOCK_EX | LOCK_NB)  # fails where anyone holds it, shared or not
     except OSError:
         _share(file)
         return False
@@ -45,4 +51,4 @@ def clear_stale(folder: Path = Path(".snakemake")) -> bool:
 def _share(file: TextIO) -> None:
     """Hold the lock together with others that live."""
     with suppress(OSError):
-        fcntl.flock(file, fcntl.LOCK_SH)
+        flock(file, LOCK_SH)

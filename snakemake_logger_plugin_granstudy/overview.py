@@ -29,6 +29,8 @@ class Overview:
     cores : int
     labels : dict of int
         Runs that were done, by label.
+    page : str
+        The file that shows the study on one page.
     """
 
     study: str
@@ -38,6 +40,7 @@ class Overview:
     seconds: float = 0.0
     cores: int = 1
     labels: dict[str, int] = field(default_factory=dict)
+    page: str = ""
 
 
 @dataclass(frozen=True)

@@ -136,7 +136,9 @@ class Session:
         study = self.now() if (self.running or self._nothing) and not self.dry_run else None
         if study is not None:
             failed = list(self._failed.values())
-            return text.ending(study, self._made, failed, stopped, interrupt.GOES_ON)
+            page = study.overview.page
+            there = page if not stopped and page and Path(page).is_file() else ""
+            return text.ending(study, self._made, failed, stopped, interrupt.GOES_ON, there)
         return [f"stopped: {interrupt.GOES_ON}"] if stopped else []
 
     def _planned(self, record: logging.LogRecord) -> list[str]:

@@ -95,15 +95,27 @@ def error(what: str, logs: Sequence[str], whole: bool, remarks: Sequence[str] = 
 
 
 def ending(
-    now: Now, made: Sequence[str], failed: Sequence[str], stopped: bool, goes_on: str
+    now: Now,
+    made: Sequence[str],
+    failed: Sequence[str],
+    stopped: bool,
+    goes_on: str,
+    page: str = "",
 ) -> list[str]:
-    """The last lines: where results are, how many runs of which label, what was made, what failed."""
+    """The last lines: where results are, how many runs of which label, what was made, what failed.
+
+    Parameters
+    ----------
+    page : str
+        The study on one page; "" where there is none.
+    """
     done = f"{now.done} of {now.overview.runs} runs are done"
     lines = [f"stopped: {done}; {goes_on}"] if stopped else []
     counts = f": {label_counts(now.labels)}" if now.labels else ""
     lines.append(f"{now.overview.results}: {done}{counts}")
     lines += [f"  made    {line}" for line in _by_kind(made)]
     lines += [f"  failed  {line}" for line in _by_kind(failed)]
+    lines += [f"  read    {page}"] if page else []
     return lines
 
 

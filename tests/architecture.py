@@ -16,10 +16,12 @@ HOUSE = Path(__file__).parents[1] / "granstudy"
 FLOORS = (
     ("commands",),
     ("workbench",),
+    ("accessor",),
     ("analysis",),
     ("study",),
     ("runs",),
-    ("states",),
+    ("accuracy",),
+    ("states", "reading"),
     ("evolution",),
     ("particles",),
     ("datasets",),
@@ -64,9 +66,14 @@ class Import:
 
 
 def modules(house: Path) -> dict[str, Path]:
-    """Every module's dotted name and file; a package's name stands for its ``__init__.py``."""
+    """Every module's dotted name and file; a package's name stands for its ``__init__.py``.
+
+    Files in a folder without one are no modules: scripts of the workflow, templates.
+    """
     found = {}
     for path in sorted(house.rglob("*.py")):
+        if not (path.parent / "__init__.py").is_file():
+            continue
         parts = path.relative_to(house.parent).with_suffix("").parts
         found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
     return found

@@ -250,7 +250,7 @@ REQUESTS = [
     ("kind: cooling", "kind: states", "cooling.figure: Cooling of hard spheres: is no table of states swept over e"),
     ("kind: cooling", "kind: convergence", "cooling.figure.x: must be given"),
     ("kind: cooling", "kind: convergence, x: e", "cooling.figure.x='e': has a panel for each value"),
-    ("kind: cooling", "kind: cooling, x: e", "cooling.figure.x='e': only convergence, speed take it, not cooling"),
+    ("kind: cooling", "kind: cooling, x: e", "cooling.figure.x='e': only convergence, speed, quantity, map take it, not cooling"),
     ("kind: cooling", "kind: cooling, beside: [held]", r"cooling.figure.beside=\['held'\]: only front, states take it"),
     ("kind: convergence, x: dt", "kind: convergence, x: Q", "order.figure.x='Q': must be one of the swept parameters"),
     ("kind: convergence, x: M_sph", "kind: cooling", "errors.figure.kind='cooling': shows T.t. of evolution runs, not of collision"),

@@ -9,7 +9,7 @@ import yaml
 
 from granstudy.study.schema.words import SWEPT
 
-WORKFLOW = Path(__file__).parents[1] / "workflow" / "config"
+SHIPPED = Path(__file__).parents[1] / "studies"
 
 OWN_CODE = """
 import numpy as np
@@ -101,7 +101,7 @@ WORDS = [
 
 def experiments():
     """Every shipped experiment, and those with code of their own: name, section, and the whole study."""
-    texts = [path.read_text() for path in sorted(WORKFLOW.glob("*.yaml"))]
+    texts = [path.read_text() for path in sorted(SHIPPED.glob("*.yaml"))]
     studies = [yaml.safe_load(text) for text in (*texts, OWN_STUDY, OWN_STUDY, OWN_STUDY)]
     return [(name, study) for study in studies for name in study["experiments"]]
 

@@ -23,7 +23,7 @@ LARGEST_FILE = 400
 LARGEST_ROOM = 12
 """Files and folders in a folder of the package, without its ``__init__.py``."""
 
-BESIDE_THE_ROOMS = {"workflow"}
+BESIDE_THE_ROOMS = {"promises", "workflow"}
 """Folders of tests of what is no room of the package."""
 
 

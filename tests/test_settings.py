@@ -11,8 +11,12 @@ ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 LOCK = (ROOT / "requirements.lock").read_text()
 
-BESIDE_THE_WORKFLOW = {"snakemake", "snakemake-interface-logger-plugins", "psutil"}
+BESIDE_THE_WORKFLOW = {"snakemake", "snakemake-interface-logger-plugins"}
 """What starts a workflow's jobs is no library of theirs."""
+
+
+LOCKED = ("test", "notebook", "docs", "slurm")
+"""Extras that the lock holds; a GPU's libraries depend on the GPU."""
 
 
 def required(lines):
@@ -28,7 +32,11 @@ def locked():
 
 
 def test_the_lock_has_every_dependency_in_a_version_that_is_allowed():
-    wanted = required([*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["test"]])
+    extras = PROJECT["optional-dependencies"]
+    wanted = required(
+        [*PROJECT["dependencies"], *(line for name in LOCKED for line in extras[name])]
+    )
+    del wanted["granstudy"]
     pins = locked()
     assert {name for name in wanted if name not in pins} == set()
     for name, requirement in wanted.items():
@@ -43,10 +51,10 @@ def test_the_lock_has_checksums_and_names_no_place():
 
 
 def test_the_conda_environment_has_the_libraries_of_the_package():
-    environment = yaml.safe_load((ROOT / "workflow" / "envs" / "granstudy.yaml").read_text())
+    environment = yaml.safe_load((ROOT / "granstudy/workflow/envs/granstudy.yaml").read_text())
     libraries = required(environment["dependencies"])
     assert str(libraries.pop("python").specifier) == PROJECT["requires-python"]
-    wanted = required(PROJECT["dependencies"])
+    wanted = required([*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["notebook"]])
     assert libraries == {
         name: requirement for name, requirement in wanted.items() if name not in BESIDE_THE_WORKFLOW
     }

@@ -97,6 +97,7 @@ HAFF = Tolerance(1e-7, 0.0, "a fit to smooth data")
 HAFF_ERROR = Tolerance(1e-4, 0.0, "a variance of small residuals")
 RATIO = Tolerance(1e-6, 1e-5, "a quotient of the above and a printed number")
 SECONDS = Tolerance(None, 0.0, "depends on the machine and its load")
+RATIOS = replace(SECONDS, reason="a quotient of errors that are compared themselves")
 FFT = replace(SECONDS, reason="as seconds")
 SPEEDUP = replace(SECONDS, reason="a quotient of seconds on a shared machine")
 OVERHEAD = replace(SECONDS, reason="as speedup")
@@ -119,7 +120,8 @@ OF_QUANTITY: dict[str, Column] = {
     "slope": Column("d ln T/d ln t", SIX, CONSTANT, "d ln T/d ln t, mean over the last decade of t"),
     "slope_error": Column(
         "from −2/λ", ROUGH, CONSTANT, "largest |d ln T/d ln t + 2/λ| in the last decade of t"),
-    "C0": Column("C₀", ".5g", HAFF, "Haff constant, least squares of T0 (1 + C0 t)^-2"),
+    "C0": Column(
+        "C₀", ".5g", HAFF, "Haff constant, least squares of T0 (1 + C0 t)^-2", symbol="$C_0$"),
     "C0_error": Column("± (fit)", ERROR, HAFF_ERROR, "standard error of the fitted C0"),
     "C0_theory": Column(
         "C₀ (Gaussian)", ".5g", CONSTANT,
@@ -143,12 +145,14 @@ COLUMNS: dict[str, Column] = OF_QUANTITY | {
         symbol=r"largest $|T/T_\mathrm{true} - 1|$"),
     "temperature_error_estimate": Column(
         "its estimate", ERROR, T_ESTIMATE,
-        "largest relative error of T that the run itself estimated"),
+        "largest relative error of T that the run itself estimated",
+        symbol=r"estimated $\Delta T/T$"),
     "largest_a2_error": Column(
         "error of a2", ERROR, A2_ERROR, "largest |a2 − a2_truth| over the output times reached",
         symbol=r"largest $|a_2 - a_{2,\mathrm{true}}|$"),
     "a2_error_estimate": Column(
-        "its estimate", ERROR, A2_ERROR, "largest error of a2 that the run itself estimated"),
+        "its estimate", ERROR, A2_ERROR, "largest error of a2 that the run itself estimated",
+        symbol=r"estimated $\Delta a_2$"),
     "trust": Column(),
     # Errors of Q.
     "collision_error": Column(
@@ -179,9 +183,9 @@ COLUMNS: dict[str, Column] = OF_QUANTITY | {
     "tail_exponent": Column(
         "p of the tail", ".3g", CONSTANT,
         "p of the exact tail |v|^(−d−p), of which ⟨|v|⁴⟩ beyond V is V^(4−p)"),
-    "a3": Column("", SIX, SOLVED),
-    "cooling_rate": Column(),
-    "cooling_coefficient": Column("K", ".7g"),
+    "a3": Column("", SIX, SOLVED, symbol="$a_3$"),
+    "cooling_rate": Column(symbol=r"$-\dot T/T$"),
+    "cooling_coefficient": Column("K", ".7g", symbol="$K$"),
     "mass_loss": Column(),
     "estimated_a2_error": Column("", ROUGH, SOLVED_ESTIMATE),
     # Benchmarks, whose dataset has the long names; `seconds` of whole runs, too.
@@ -207,21 +211,31 @@ COLUMNS: dict[str, Column] = OF_QUANTITY | {
         "N^(d+1) log N: exponent", ".3g", CONSTANT,
         "p of N^{{d+1}} log N ~ N^p, fitted to the same N"),
     # Further quantities of evolutions.
-    "density_drift": Column("", ERROR, DRIFT),
-    "density": Column(),
-    "energy": Column(),
-    "paper_temperature": Column(),
-    "minimum": Column(),
+    "density_drift": Column("", ERROR, DRIFT, symbol=r"$\rho/\rho_0 - 1$"),
+    "density": Column(symbol=r"$\rho$"),
+    "energy": Column(symbol="$E$"),
+    "paper_temperature": Column(symbol="$2E/d$"),
+    "minimum": Column(symbol=r"$\min f$"),
     "temperature_exact": Column(),
     "paper_temperature_exact": Column(),
-    "mass_drift": Column("", ERROR),
-    "momentum_drift": Column("", ERROR),
+    "mass_drift": Column("", ERROR, symbol=r"$|\rho/\rho_0 - 1|$"),
+    "momentum_drift": Column("", ERROR, symbol=r"$|\Delta u|/\sqrt{T}$"),
     "edge": Column(),
     "spectral_tail": Column(),
     "step_ratio": Column(),
-    "velocity_scale": Column(),
-    "collision_time": Column(),
+    "velocity_scale": Column(symbol=r"$\theta$"),
+    "collision_time": Column(symbol=r"$\tau$"),
     "collisions": Column(),
+    # Random runs beside their truths.
+    "temperature_known_to": Column("T known to", ERROR, T_ESTIMATE),
+    "a2_known_to": Column("a2 known to", ERROR, A2_ERROR),
+    "temperature_ratio": Column(
+        "estimate / error of T", ".3g", RATIOS, "estimated over true error of {of}"),
+    "a2_ratio": Column(
+        "estimate / error of a2", ".3g", RATIOS, "estimated over true error of {of}"),
+    "ended": Column(long_name="whether the run reached its final time", units=""),
+    "broken": Column(long_name="the rules that the run breaks", units=""),
+    "truth": Column(long_name="what the run is held against", units=""),
     # The map's verdict, and how a run ended.
     "wrong": Column(long_name="whether the label breaks the rule", units=""),
     "status": Column(),

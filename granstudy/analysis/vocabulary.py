@@ -15,8 +15,8 @@ from granstudy.support.files import write_json
 WORDS = {("FigureModel", "kind"): list(FIGURES), ("FitModel", "law"): list(FITS)}
 """Known words by section and field."""
 
-SCHEMA = Path("workflow/config/study.schema.json")
-"""Where the JSON schema of study files lies in a checkout."""
+SCHEMA = Path(__file__).parents[1] / "workflow" / "study.schema.json"
+"""Where the JSON schema of study files lies."""
 
 
 def study_schema() -> dict[str, Any]:

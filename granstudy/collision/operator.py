@@ -41,6 +41,11 @@ def choose(scene: Scene, solver: Solver) -> Choice:
         If no grid of reasonable size holds the scene's density.
     """
     asked, fitted = solver, ""
+    if solver.accuracy is not None:
+        raise ValueError(
+            f"accuracy={solver.accuracy!r}: runs and states choose their grids for it; one operator needs "
+            "N and R, or rtol"
+        )
     if solver.N is None:
         assert solver.rtol is not None
         box = fit_solver(scene, solver.rtol, variant=solver.variant, threads=solver.threads).sized()
@@ -58,11 +63,14 @@ def concrete(scene: Scene, solver: Solver) -> Choice:
     Raises
     ------
     ValueError
-        If the solver asks for a GPU and there is none, or the GPU cannot model the scene; and as `choose`.
+        If the solver asks for a GPU and there is none, or the GPU cannot model the scene; if memory cannot
+        hold the operator, as estimated before anything is made; and as `choose`.
     """
     if solver.device == "gpu":
         check_gpu(scene)
-    return choose(scene, solver)
+    choice = choose(scene, solver)
+    check_fits(scene, choice.solver)
+    return choice
 
 
 def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:
@@ -90,5 +98,4 @@ def collision_operator(scene: Scene, solver: Solver) -> CollisionOperator:
         )
     chosen = concrete(scene, solver).solver
     check_restitution(scene.restitution, largest_speed=chosen.R)
-    check_fits(scene, chosen)
     return maker(chosen)(scene, chosen)

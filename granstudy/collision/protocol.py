@@ -63,6 +63,21 @@ class SymmetricOperator(CollisionOperator, Protocol):
         """The symmetry."""
 
 
+@runtime_checkable
+class PlannedOperator(CollisionOperator, Protocol):
+    """An operator whose transforms FFTW planned, with wisdom where this machine has some."""
+
+    @property
+    def fftw_wisdom(self) -> str:
+        """Hash of the wisdom that plans were made with; "" where there was none."""
+
+
+def wisdom_attributes(operator: CollisionOperator) -> dict[str, str]:
+    """The attribute `fftw_wisdom` of a dataset with an operator's numbers; none where no wisdom was used."""
+    used = operator.fftw_wisdom if isinstance(operator, PlannedOperator) else ""
+    return {"fftw_wisdom": used} if used else {}
+
+
 def check_state(f: np.ndarray, grid: VelocitySpace) -> None:
     """Raise ValueError unless ``f`` can be a state on ``grid``: its shape, and finite values."""
     check_shape(f, grid)

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.special import j0
 
 from granstudy.model.kernel import VHS
+from granstudy.model.restitution import restitution_at
 from granstudy.quadrature.deflection import deflections
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.sphere import sphere_area, sphere_mean
@@ -57,7 +58,7 @@ def law_values(
         Largest |K| (`largest_phase`).
     """
     u, _ = deflections(dim, largest)
-    return np.array([np.asarray(restitution(rho * ui), dtype=float) for ui in u])
+    return np.array([restitution_at(restitution, np.asarray(rho * ui)) for ui in u])
 
 
 def largest_phase(parallel: np.ndarray, transverse: np.ndarray) -> float:

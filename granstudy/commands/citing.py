@@ -1,29 +1,12 @@
 """`granstudy cite`: what to cite."""
 
-from importlib.metadata import version
-
 import click
 
-PAPER = """@article{HuMa2019,
-  author  = {Hu, Jingwei and Ma, Zheng},
-  title   = {A fast spectral method for the inelastic {Boltzmann} collision operator and application to
-             heated granular gases},
-  journal = {Journal of Computational Physics},
-  volume  = {385},
-  pages   = {119--134},
-  year    = {2019},
-  doi     = {10.1016/j.jcp.2019.01.049}
-}"""
-
-SOFTWARE = """@software{{granstudy,
-  title   = {{granstudy: parameter studies of granular gases by the fast {{Fourier}} spectral method}},
-  version = {{{version}}},
-  license = {{MIT}}
-}}"""
+from granstudy.analysis.report.citation import citations
 
 
 @click.command()
 def cite() -> None:
     """Print what to cite, as BibTeX: the method's paper, and this software in its version."""
-    click.echo(PAPER)
-    click.echo(SOFTWARE.format(version=version("granstudy")))
+    for entry in citations():
+        click.echo(entry)

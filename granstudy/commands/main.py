@@ -11,7 +11,8 @@ from granstudy.commands.citing import cite
 from granstudy.commands.opening import open_
 from granstudy.commands.pruning import prune
 from granstudy.commands.running import run
-from granstudy.commands.starting import new
+from granstudy.commands.starting import init, new
+from granstudy.commands.tuning import tune
 from granstudy.commands.verifying import verify
 from granstudy.commands.watching import status
 
@@ -39,5 +40,5 @@ def granstudy() -> None:
     """
 
 
-for command in (new, check, plan, run, status, open_, prune, verify, cite):
+for command in (new, init, check, plan, run, status, open_, prune, verify, tune, cite):
     granstudy.add_command(command)

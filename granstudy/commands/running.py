@@ -8,9 +8,13 @@ from pathlib import Path
 import click
 
 from granstudy.commands.options import RESULTS, STUDY
+from granstudy.commands.starting import WORKFLOW
 
 CONFIG = ("--config", "-C")
 """Snakemake's option for what a workflow is told."""
+
+SNAKEFILES = ("Snakefile", "snakefile", "workflow/Snakefile", "workflow/snakefile")
+"""Files that Snakemake takes by itself."""
 
 
 @click.command(context_settings={"ignore_unknown_options": True})
@@ -21,21 +25,25 @@ CONFIG = ("--config", "-C")
 def run(study: str, results: str, cores: int, snakemake_arguments: tuple[str, ...]) -> None:
     """Compute a study: print the `snakemake` command, and start it.
 
-    Further arguments go to snakemake, as in `granstudy run my_study.yaml -n`.
+    A folder without a Snakefile takes the workflow that comes with the package. Further
+    arguments go to snakemake, as in `granstudy run my_study.yaml -n`.
     """
-    if not Path("Snakefile").is_file():
-        raise ValueError(
-            f"{Path.cwd()}: has no Snakefile; go to the folder of granstudy's checkout, which has it"
-        )
     own, arguments = [f"study={study}", f"results={results}"], list(snakemake_arguments)
     given = [place for place, word in enumerate(arguments) if word in CONFIG]
     if given:  # Snakemake takes the last of several
         arguments[given[-1] + 1 : given[-1] + 1] = own
     else:
         arguments += [CONFIG[0], *own]
-    command = ["snakemake", "--cores", str(cores), *arguments]
+    command = ["snakemake", *_snakefile(), "--cores", str(cores), *arguments]
     click.echo(shlex.join(command))
     sys.exit(_status(subprocess.Popen([sys.executable, "-m", *command])))
+
+
+def _snakefile() -> list[str]:
+    """What tells Snakemake where the workflow is, in a folder that has none."""
+    if any(Path(name).is_file() for name in SNAKEFILES):
+        return []
+    return ["--snakefile", str(WORKFLOW / "Snakefile")]
 
 
 def _status(process: "subprocess.Popen[bytes]") -> int:

@@ -37,8 +37,9 @@ class Parameter:
 
     @property
     def attributes(self) -> dict[str, str]:
-        """Attributes of its coordinate."""
-        return {"long_name": self.long_name, "units": self.units}
+        """Attributes of its coordinate; `symbol` is Matplotlib's mathematics."""
+        attributes = {"long_name": self.long_name, "units": self.units}
+        return attributes | ({"symbol": self.symbol} if self.symbol else {})
 
 
 PARAMETERS: dict[str, Parameter] = {
@@ -58,6 +59,8 @@ PARAMETERS: dict[str, Parameter] = {
     "separation": Parameter("distance of the beams", "$s$", absent=math.nan, real=True),
     "tail": Parameter("exponent of the initial tail", "$s$", absent=math.nan, real=True),
     "symmetry": Parameter("symmetry of the initial density"),
+    "accuracy": Parameter("accuracy asked of the temperature", absent=math.nan, real=True),
+    "a2_accuracy": Parameter("accuracy asked of a2", absent=math.nan, real=True),
     "N": Parameter("grid points in each dimension", "$N$"),
     "R": Parameter("truncation radius of relative velocities", "$R$", real=True),
     "N_rho": Parameter("radial nodes", r"$N_\rho$", "N_ρ", absent=-1),

@@ -1,6 +1,7 @@
 """The parts that datasets of all runs share: coordinates, status, provenance, kept densities."""
 
 import json
+import os
 import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -120,6 +121,26 @@ class Record:
         return Ending(self.status, self.reason, tuple(self.warnings.values()))
 
 
+def columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
+    """Rows of values as an array a name; `rows` makes them rows again.
+
+    Raises
+    ------
+    ValueError
+        If names differ from row to row.
+    """
+    names = list(rows[0]) if rows else []
+    if any(list(row) != names for row in rows):
+        raise ValueError(f"rows: each must have the names {names}, in this order")
+    return {name: np.array([row[name] for row in rows]) for name in names}
+
+
+def rows(columns: Mapping[str, np.ndarray]) -> list[dict[str, Any]]:
+    """Rows of the columns that `columns` made."""
+    names = list(columns)
+    return [dict(zip(names, values, strict=True)) for values in zip(*columns.values(), strict=True)]
+
+
 def time_axes(dim: int, times: Sequence[float] | np.ndarray) -> dict[str, Any]:
     """Coordinates of moments: the times, and the components of vectors and tensors."""
     components = list(COMPONENTS[:dim])
@@ -199,14 +220,26 @@ def versions() -> dict[str, str]:
 @cache
 def git_commit() -> str:
     """Commit of the checkout that the package runs from; "" outside a checkout."""
+    return commit_of(Path(__file__).parents[2])
+
+
+def commit_of(folder: Path) -> str:
+    """Commit of the git repository whose top is a folder; "" for any other folder.
+
+    An installed package may lie inside a repository that is not its own. Variables such as GIT_DIR, which
+    git sets for hooks, name another repository.
+    """
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("GIT_")}
     try:
         answer = subprocess.run(
-            ["git", "rev-parse", "HEAD"],
-            cwd=Path(__file__).parents[2],
+            ["git", "rev-parse", "--show-toplevel", "HEAD"],
+            cwd=folder,
+            env=environment,
             capture_output=True,
             text=True,
             check=True,
         )
-    except (OSError, subprocess.CalledProcessError):
+        top, commit = answer.stdout.splitlines()
+        return commit if Path(top).samefile(folder) else ""
+    except (OSError, ValueError, subprocess.CalledProcessError):
         return ""
-    return answer.stdout.strip()

@@ -12,7 +12,6 @@ from granstudy.datasets.run_dataset import (
     stamped,
     time_axes,
 )
-from granstudy.support.variables import labelled
 from granstudy.trust.exact_law import exact_laws
 from granstudy.trust.health import health_variables
 from granstudy.velocity.moments import FRAME, MOMENTS, Quantity
@@ -49,8 +48,7 @@ def evolution_dataset(
     quantities: dict[str, Quantity] = {**MOMENTS, **(FRAME if rescaled else {})}
     moments = {name: np.array([values[name] for values in record.moments]) for name in quantities}
     data: dict[str, Any] = {
-        name: labelled(moments[name], quantity.long_name, ("time", *quantity.dimensions))
-        for name, quantity in quantities.items()
+        name: quantity.labelled(moments[name], ("time",)) for name, quantity in quantities.items()
     }
     ds = xr.Dataset(data, coords=time_axes(grid.dim, record.times))
     ds = ds.assign(exact_laws(header.scene, record.times, moments))

@@ -1,8 +1,8 @@
 """Time integration of ∂t f = Q(f,f) + ε Δv f on a grid (docs/method.md §3 and §5)."""
 
 import json
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,14 +10,16 @@ import xarray as xr
 
 from granstudy.collision.fast.adaptive.retuning import Tuning
 from granstudy.collision.operator import collision_operator
-from granstudy.collision.protocol import CollisionOperator
+from granstudy.collision.protocol import CollisionOperator, wisdom_attributes
 from granstudy.datasets.run_dataset import Header, Record
+from granstudy.datasets.storage.checkpoint import Checkpoint
 from granstudy.evolution.conservation import Projection
 from granstudy.evolution.dataset import evolution_dataset
 from granstudy.evolution.frames.fixed import FixedFrame
 from granstudy.evolution.frames.rescaled import RescaledFrame, centred
 from granstudy.evolution.frames.scaled_collisions import scaled_collisions
 from granstudy.evolution.schemes import SCHEMES
+from granstudy.evolution.snapshot import Snapshot
 from granstudy.evolution.stability import step_warning
 from granstudy.evolution.steps import AdaptiveSteps, FixedSteps, Point, StoppedError
 from granstudy.evolution.times import TimeSettings
@@ -28,7 +30,7 @@ from granstudy.model.solver import SizedSolver
 from granstudy.support.errors import RAN_AWAY
 from granstudy.support.progress import Progress, watched
 from granstudy.trust import health
-from granstudy.trust.error_estimate import Examination
+from granstudy.trust.error_estimate import Examination, Found
 from granstudy.trust.flags import Status
 from granstudy.trust.pair_rates import RatesAt
 from granstudy.velocity.moments import moment_values
@@ -37,7 +39,11 @@ Frame = FixedFrame | RescaledFrame
 
 
 def evolve(
-    scene: Scene, choice: Choice, settings: TimeSettings, progress: Progress = None
+    scene: Scene,
+    choice: Choice,
+    settings: TimeSettings,
+    progress: Progress = None,
+    checkpoint: Checkpoint | None = None,
 ) -> xr.Dataset:
     """Advance the initial density of a scene on a grid; see `granstudy.simulate`.
 
@@ -49,10 +55,15 @@ def evolve(
     settings : TimeSettings
     progress : bool or callable, optional
         As of `granstudy.simulate`.
+    checkpoint : Checkpoint, optional
+        From which the run goes on where it is there, and which is written while it goes on. Whoever asked
+        for the run removes it.
     """
+    kept = None if checkpoint is None else checkpoint.read()
     header = Header.of("evolution", scene, choice, settings.coordinates())
     run = _prepare(scene, choice.solver, settings)
     observer = _Observer(settings, run)
+    points = _points(run, observer, kept)
     record = observer.record
     # The observer looks for overflow and NaN, in one place.
     with (
@@ -60,15 +71,26 @@ def evolve(
         watched(progress, run.steps.outputs - 1) as report,
     ):
         try:
-            for point in run.steps.march(run.start):
+            for point in points:
                 observer.see(point)
                 report(len(record.times) - 1, point.time)
+                if checkpoint is not None and checkpoint.due():
+                    checkpoint.write(observer.snapshot().plain())
         except StoppedError as stopped:
             record.status, record.reason = Status.DIVERGED, str(stopped)
     ds = evolution_dataset(header, run.operator.grid, record, settings.rescaled)
     if isinstance(run.steps, AdaptiveSteps):
         ds.attrs["steps"] = json.dumps(run.steps.describe())
-    return ds
+    return ds.assign_attrs(wisdom_attributes(run.operator))
+
+
+def _points(run: "_Prepared", observer: "_Observer", kept: Any) -> Iterator[Point]:
+    """The states of a run, from the first on, or after the snapshot that a checkpoint kept."""
+    if kept is None:
+        return run.steps.march(run.start)
+    snapshot = Snapshot.of(kept)
+    observer.resume(snapshot)
+    return run.steps.resume(snapshot.position)
 
 
 @dataclass(frozen=True)
@@ -128,9 +150,23 @@ class _Observer:
         self._run = run
         self._outputs = run.steps.outputs
         self._tuning = Tuning(run.operator)
-        self._examination = Examination(run.scene, run.operator.grid, run.steps.outputs, run.rates)
+        self._examination = Examination(run.scene, run.operator.grid, settings.recorded, run.rates)
         self._scale = 1.0
         self.record = Record(health=self._examination.outputs, plans=self._tuning.plans)
+
+    def snapshot(self) -> Snapshot:
+        """The run as it is after the state that was seen last."""
+        return Snapshot(
+            self._run.steps.position, self._examination.memory, self._scale, self.record
+        )
+
+    def resume(self, snapshot: Snapshot) -> None:
+        """Go on from a snapshot."""
+        self._scale, seen = snapshot.scale, snapshot.record
+        self._examination.resume(snapshot.memory, seen.health)
+        self._tuning.resume(seen.plans)
+        # Health and plans are recorded by those who find them, in lists of theirs.
+        self.record = replace(seen, health=self.record.health, plans=self.record.plans)
 
     def see(self, point: Point) -> None:
         """Look at the state after a step.
@@ -142,8 +178,8 @@ class _Observer:
         """
         try:
             self._see(point)
-        except RAN_AWAY:
-            raise StoppedError(point.step, point.time, health.NOT_FINITE) from None
+        except RAN_AWAY as error:
+            raise StoppedError(point.step, point.time, health.ran_away(error)) from None
 
     def _see(self, point: Point) -> None:
         frame, state = self._run.frame, point.state
@@ -161,8 +197,11 @@ class _Observer:
         texts = self._tuning.review(point.step, point.time, f)
         if len(self._tuning.plans) > plans:
             self._run.steps.equation_changed()
+        is_due = self._examination.is_due(point.time)
         if point.is_output:
             texts |= self._output(point, f, values)
+        elif is_due:
+            self._examination.balance(f, values, self._found(state), **self._gas(state, values))
         self.record.warn(point.time, texts)
 
     def _output(self, point: Point, f: np.ndarray, values: dict[str, Any]) -> dict[str, str]:
@@ -170,16 +209,23 @@ class _Observer:
         frame, state = self._run.frame, point.state
         moments = frame.record(values, state)
         signs, texts = self._check_step(state, float(moments["density"]))
-        texts |= self._examination.look(
-            f,
-            values,
-            lambda: (frame.moment_rates(state), self._run.project.energy_removed),
-            restitution=frame.restitution(state),
-            heating=frame.heating(state, values["temperature"]),
-        )
+        texts |= self._examination.look(f, values, self._found(state), **self._gas(state, values))
         self.record.health[-1].update(signs)
         self._record(point, f, moments)
         return texts
+
+    def _found(self, state: np.ndarray) -> Found:
+        """Rates of T and a2 by the discrete equation, evaluated where they are asked for."""
+        run = self._run
+        return lambda: (run.frame.moment_rates(state), run.project.energy_removed)
+
+    def _gas(self, state: np.ndarray, values: dict[str, Any]) -> dict[str, Any]:
+        """Restitution and heating in the velocities that the grid stores."""
+        frame = self._run.frame
+        return {
+            "restitution": frame.restitution(state),
+            "heating": frame.heating(state, values["temperature"]),
+        }
 
     def _record(self, point: Point, f: np.ndarray, moments: dict[str, Any]) -> None:
         """Record an output: its moments, and where they are asked for, the density."""

@@ -8,6 +8,7 @@ from granstudy.model.kernel import VHS
 from granstudy.model.scene import Scene
 from granstudy.support.errors import unknown_name
 from granstudy.theory import a2_relaxation_rate, gaussian_cooling_coefficient
+from granstudy.velocity.moments import moment_values
 from granstudy.velocity.space import VelocitySpace
 from granstudy.velocity.sphere import sphere_area
 
@@ -111,7 +112,11 @@ def adaptive_steps(
     law = scene.restitution
     e = float(law(np.ones(1))[0]) if callable(law) else float(law)
     stated = scene.moments
-    rho, T0 = (stated.density, stated.temperature) if stated is not None else (1.0, 1.0)
+    if stated is not None:
+        rho, T0 = stated.density, stated.temperature
+    else:
+        start = moment_values(scene.density(grid), grid)
+        rho, T0 = float(start["density"]), max(float(start["temperature"]), COLDEST)
     K = rho * gaussian_cooling_coefficient(scene.kernel, e, dim)
     t = np.concatenate([[0.0], np.geomspace(1e-4 * t_final, t_final, MOMENTS_OF_TIME)])
     temperatures = [T0]

@@ -58,6 +58,8 @@ class Point(NamedTuple):
         Whether the state is an output.
     error : ndarray or None
         Estimated error of the step, a change of the state; None at the start.
+    rate : ndarray or None
+        Rate of change at the state, where the scheme has it; else None.
     """
 
     step: int
@@ -65,6 +67,35 @@ class Point(NamedTuple):
     state: np.ndarray
     is_output: bool
     error: np.ndarray | None = None
+    rate: np.ndarray | None = None
+
+
+class Position(NamedTuple):
+    """Where steps stand between two of them: all that the steps to come depend on.
+
+    Attributes
+    ----------
+    step : int
+    time : float
+    state : ndarray
+    next_step : float or None
+        Of steps that adapt: the size to try next; None where none was chosen yet.
+    first : ndarray or None
+        The first rate of the next step, where it is kept.
+    error_before : float
+        Error over the tolerance of the step before, for the PI control.
+    rejected, evaluations : int
+        As of `AdaptiveSteps`.
+    """
+
+    step: int
+    time: float
+    state: np.ndarray
+    next_step: float | None = None
+    first: np.ndarray | None = None
+    error_before: float = 1.0
+    rejected: int = 0
+    evaluations: int = 0
 
 
 class StoppedError(Exception):
@@ -81,12 +112,15 @@ class FixedSteps:
     ----------
     outputs : int
         Number of outputs, the start included.
+    position : Position
+        Where the steps stand, once they march.
     """
 
     def __init__(self, equation: MeasuredEquation, scheme: Scheme, dt: float, steps: int) -> None:
         self._equation, self._scheme = equation, scheme
         self._dt, self._steps = dt, steps
         self.outputs = steps + 1
+        self.position: Position
 
     def march(self, state: np.ndarray) -> Iterator[Point]:
         """Every state, from the first one at t = 0 on.
@@ -96,15 +130,22 @@ class FixedSteps:
         StoppedError
             If a state is not finite.
         """
+        self.position = Position(0, 0.0, state)
         yield Point(0, 0.0, state, True)
-        for step in range(1, self._steps + 1):
+        yield from self.resume(self.position)
+
+    def resume(self, position: Position) -> Iterator[Point]:
+        """Every state after a position; raises as `march`."""
+        state = position.state
+        for step in range(position.step + 1, self._steps + 1):
             try:
                 first = self._scheme.first(self._equation, state)
                 made = self._scheme.step(self._equation, state, self._dt, first)
                 size = self._equation.relative_size(made.error, state)
                 error, state = self._scheme.error(size) * made.error, made.state
-            except RAN_AWAY:
-                raise StoppedError(step, step * self._dt, health.NOT_FINITE) from None
+            except RAN_AWAY as away:
+                raise StoppedError(step, step * self._dt, health.ran_away(away)) from None
+            self.position = Position(step, step * self._dt, state)
             yield Point(step, step * self._dt, state, True, error)
 
     def equation_changed(self) -> None:
@@ -114,6 +155,8 @@ class FixedSteps:
 class AdaptiveSteps:
     """Steps whose estimated relative error is at most ``rtol``; they hit the ``times`` of outputs.
 
+    The first of the times is that of the first state.
+
     Attributes
     ----------
     outputs : int
@@ -122,6 +165,8 @@ class AdaptiveSteps:
         Steps made, and steps taken back, so far.
     evaluations : int
         Rates computed so far.
+    position : Position
+        Where the steps stand, once they march.
     """
 
     def __init__(
@@ -133,19 +178,34 @@ class AdaptiveSteps:
         self.accepted = self.rejected = self.evaluations = 0
         self._first: np.ndarray | None = None
         self._before = 1.0
+        self._at: tuple[float, np.ndarray, float | None]
 
     def march(self, state: np.ndarray) -> Iterator[Point]:
-        """Every state, from the first one at t = 0 on.
+        """Every state, from the first one on.
 
         Raises
         ------
         StoppedError
             If no step is small enough.
         """
-        t = 0.0
-        yield Point(0, 0.0, state, True)
-        h = self._first_step(state)
-        for target in self._times[1:]:
+        self._at = float(self._times[0]), state, None
+        yield Point(0, self._at[0], state, True)
+        yield from self.resume(self.position)
+
+    @property
+    def position(self) -> Position:
+        """Where the steps stand."""
+        t, state, h = self._at
+        kept = self._first, self._before, self.rejected, self.evaluations
+        return Position(self.accepted, t, state, h, *kept)
+
+    def resume(self, position: Position) -> Iterator[Point]:
+        """Every state after a position; raises as `march`."""
+        self.accepted, t, state, h, self._first, self._before = position[:6]
+        self.rejected, self.evaluations = position.rejected, position.evaluations
+        if h is None:
+            h = self._first_step(state)
+        for target in self._times[self._times > t]:
             while t < target:
                 rest = target - t
                 # Two equal steps, where one would end little before an output.
@@ -166,7 +226,9 @@ class AdaptiveSteps:
                 state = self._equation.symmetrise(made.state)
                 self.accepted += 1
                 self._first = made.last
-                yield Point(self.accepted, t, state, hit, self._scheme.error(size) * made.error)
+                self._at = t, state, h
+                made_error = self._scheme.error(size) * made.error
+                yield Point(self.accepted, t, state, hit, made_error, made.last)
 
     def equation_changed(self) -> None:
         """Note that rates have changed: the first rate of the next step is computed anew."""
@@ -208,4 +270,4 @@ class AdaptiveSteps:
         self._first = self._scheme.first(self._equation, state)
         self.evaluations += 1
         change = self._equation.relative_size(self._first, state)
-        return FIRST_CHANGE / max(change, FIRST_CHANGE / self._times[1])
+        return FIRST_CHANGE / max(change, FIRST_CHANGE / (self._times[1] - self._times[0]))

@@ -9,8 +9,9 @@ import numpy as np
 from granstudy.evolution.schemes import SCHEMES
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
-from granstudy.support.checks import check_positive
+from granstudy.support.checks import check_positive, is_count, plain
 from granstudy.support.errors import unknown_name
+from granstudy.support.machine import check_memory
 from granstudy.velocity.space import INVARIANTS
 
 FRAMES = ("fixed", "rescaled")
@@ -21,6 +22,12 @@ FIRST_TIME = 1e-2
 
 PER_DECADE = 10
 """Outputs in a decade of time of an adaptive run."""
+
+MOST_STEPS = 10**8
+"""Steps of one size that a run makes at most."""
+
+NUMBERS_AN_OUTPUT = 60
+"""Numbers that a run records at each output: moments, signs of health, exact laws."""
 
 DEFAULT_SCHEME, DEFAULT_ADAPTIVE_SCHEME = "rk3", "dopri54"
 """Schemes of steps of one size, and of steps that adapt, where none is given."""
@@ -61,18 +68,18 @@ class TimeSettings:
             raise ValueError(
                 f"dt={dt!r}, time_rtol={time_rtol!r}: give one, a step or its tolerance"
             )
-        if frame not in FRAMES:
+        if not isinstance(frame, str) or frame not in FRAMES:
             raise unknown_name("frame", frame, FRAMES)
         if scheme is None:
             scheme = DEFAULT_SCHEME if time_rtol is None else DEFAULT_ADAPTIVE_SCHEME
-        if scheme not in SCHEMES:
+        if not isinstance(scheme, str) or scheme not in SCHEMES:
             raise unknown_name("scheme", scheme, list(SCHEMES))
-        if save_every is not None and (not isinstance(save_every, int) or save_every < 1):
+        if save_every is not None and not is_count(save_every):
             raise ValueError(f"save_every={save_every!r}: must be a positive integer or None")
         fields: dict[str, Any] = {
-            "t_final": t_final,
-            "dt": dt,
-            "time_rtol": time_rtol,
+            "t_final": plain(t_final),
+            "dt": plain(dt),
+            "time_rtol": plain(time_rtol),
             "times": times,
             "frame": frame,
             "scheme": scheme,
@@ -82,11 +89,11 @@ class TimeSettings:
         for name, value in fields.items():
             object.__setattr__(self, name, value)
         if dt is not None:
-            self._check_fixed(dt)
+            self._check_fixed(self.dt)
         if time_rtol is not None:
-            self._check_adaptive(time_rtol)
+            self._check_adaptive(self.time_rtol)
 
-    def _check_fixed(self, dt: float) -> None:
+    def _check_fixed(self, dt: Any) -> None:
         """Raise ValueError for a bad size of steps, or times beside it."""
         step_count(self.t_final, dt)
         if self.times is not None:
@@ -94,15 +101,17 @@ class TimeSettings:
                 f"times={self.times!r}: only with time_rtol; with dt every step is an output"
             )
 
-    def _check_adaptive(self, rtol: float) -> None:
+    def _check_adaptive(self, rtol: Any) -> None:
         """Raise ValueError for a bad tolerance, or bad times of outputs."""
         check_positive("time_rtol", rtol)
         if not 1e-13 <= rtol < 1.0:
             raise ValueError(f"time_rtol={rtol!r}: must be a number between 1e-13 and 1")
         if self.times is not None:
-            times = np.asarray(self.times, dtype=float)
+            times = _numbers(self.times)
             if times.ndim != 1 or not np.all(np.diff(times, prepend=0.0) > 0.0):
-                raise ValueError(f"times={self.times!r}: must be positive and increase")
+                raise ValueError(
+                    f"times={self.times!r}: must be positive and increase, all of them numbers"
+                )
             if times.size and times[-1] > self.t_final:
                 raise ValueError(
                     f"times={self.times!r}: the last must be t_final={self.t_final!r} at most"
@@ -196,7 +205,7 @@ def invariants(conserve: Sequence[str]) -> tuple[str, ...]:
         allowed = ", ".join(INVARIANTS)
         raise ValueError(f"conserve={conserve!r}: must be a sequence out of {allowed}")
     for name in conserve:
-        if name not in INVARIANTS:
+        if not isinstance(name, str) or name not in INVARIANTS:
             raise unknown_name("invariant in conserve", name, INVARIANTS)
     return tuple(name for name in INVARIANTS if name in conserve)
 
@@ -205,7 +214,32 @@ def step_count(t_final: float, dt: float) -> int:
     """Number of steps of size ``dt``; ValueError where ``t_final`` is not a whole number of steps."""
     for field, value in (("t_final", t_final), ("dt", dt)):
         check_positive(field, value)
+    if t_final > MOST_STEPS * dt:
+        raise ValueError(
+            f"dt={dt!r}: t_final={t_final!r} would take more than {MOST_STEPS:,} steps; take a larger dt, or "
+            "time_rtol"
+        )
     steps = round(t_final / dt)
     if steps < 1 or abs(steps * dt - t_final) > 1e-9 * t_final:
         raise ValueError(f"dt={dt!r}: t_final={t_final!r} must be a whole number of steps")
     return steps
+
+
+def check_outputs(settings: TimeSettings) -> None:
+    """Raise ValueError, before any step, where memory cannot hold what is recorded at every output."""
+    if settings.dt is not None:
+        needed = 8.0 * NUMBERS_AN_OUTPUT * settings.steps
+        check_memory(
+            f"t_final={settings.t_final!r}, dt={settings.dt!r}",
+            needed,
+            "take a larger dt, or time_rtol",
+        )
+
+
+def _numbers(values: object) -> np.ndarray:
+    """Numbers as an array of floats; an array of no axis where they are none."""
+    try:
+        found = np.asarray(values)
+    except ValueError:  # lists of different lengths
+        return np.array(np.nan)
+    return found.astype(float) if found.dtype.kind in "iuf" else np.array(np.nan)

@@ -305,9 +305,9 @@ def scene_names() -> list[str]:
 
 def named_density(name: object) -> Callable[..., NamedDensity]:
     """The maker of the initial density of that name; ValueError for an unknown name."""
-    if name not in INITIAL_DENSITIES:
+    if not isinstance(name, str) or name not in INITIAL_DENSITIES:
         raise unknown_name("scene", name, scene_names())
-    return INITIAL_DENSITIES[str(name)]
+    return INITIAL_DENSITIES[name]
 
 
 def is_named(initial: object) -> bool:

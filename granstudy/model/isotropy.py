@@ -7,6 +7,7 @@ import numpy as np
 
 from granstudy.model.densities import is_named
 from granstudy.model.scene import Scene
+from granstudy.support.checks import answer
 from granstudy.velocity.radial import BALL_RATIO
 
 SPEEDS = 64
@@ -43,7 +44,7 @@ def _check_density(initial: Callable[..., np.ndarray], dim: int, R: float) -> No
     """Raise ValueError unless a density is isotropic about v = 0 on the ball |v| < L."""
     speeds = BALL_RATIO * R * (np.arange(SPEEDS) + 0.5) / SPEEDS
     v = [np.outer(speeds, component) for component in directions(dim).T]
-    f = np.asarray(initial(*v))
+    f = answer(f"initial={initial!r}", initial, *v)
     if f.shape != v[0].shape:
         raise ValueError(
             f"initial={initial!r}: must return an array of the shape of its velocity "

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from granstudy.support.checks import check_positive, is_real, plain
+from granstudy.velocity.space import check_dim
 from granstudy.velocity.sphere import sphere_area
 
 
@@ -36,9 +37,11 @@ class VHS:
 
 def maxwell(dim: int) -> VHS:
     """Maxwell molecules of unit total cross-section: B = 1/(2π) in 2D, 1/(4π) in 3D."""
+    check_dim(dim)
     return VHS(exponent=0.0, strength=1.0 / sphere_area(dim))
 
 
 def hard_spheres(dim: int) -> VHS:
     """Hard spheres: B = |g|/(2π) in 2D, |g|/(4π) in 3D."""
+    check_dim(dim)
     return VHS(exponent=1.0, strength=1.0 / sphere_area(dim))

@@ -17,6 +17,7 @@ from granstudy.support.errors import nearest, unknown_name
 from granstudy.support.own_code.code import name_of
 from granstudy.support.own_code.load import is_reference, load_function
 from granstudy.support.own_code.signature import arguments_of
+from granstudy.velocity.space import check_dim
 
 SCENE_WORDS = (
     *("e", "restitution", "exponent", "strength", "kernel", "diffusion", "epsilon", "symmetry"),
@@ -97,6 +98,12 @@ def load_scene(
     words = {key: value for key, value in overrides.items() if key in SCENE_WORDS}
     own = {key: value for key, value in overrides.items() if key not in SCENE_WORDS}
     _check_words(words)
+    if not (isinstance(name, str) or callable(name)):
+        raise ValueError(
+            f"name={name!r}: must be the name of a scene, a reference to a density, or a density"
+        )
+    if not isinstance(folder, str | Path):
+        raise ValueError(f"beside={beside!r}: must be a folder, a text or a Path")
     density: str | Function = name
     if isinstance(name, str) and is_reference(name):
         density = load_function(name, folder)
@@ -160,6 +167,8 @@ def _check_words(words: Mapping[str, Any]) -> None:
                 DeprecationWarning,
                 stacklevel=3,
             )
+    if words.get("dim") is not None:
+        check_dim(words["dim"])
     e = words.get("e", 1.0)
     if not is_real(e) or not 0.0 <= e <= 1.0:
         raise ValueError(f"e={e!r}: must be a number between 0 and 1")

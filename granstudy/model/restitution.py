@@ -7,22 +7,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from granstudy.support.checks import is_real, plain
+from granstudy.support.checks import answer, is_real, plain
 
 Restitution = float | Callable[[np.ndarray], np.ndarray]
 """A constant 0 ≤ e ≤ 1, or a function of the normal impact speed |g·ω| (the paper's Remark 2)."""
 
-C1 = 1.15344
-"""Coefficient C₁ of viscoelastic spheres (Brilliantov & Pöschel 2004, eq. 3.22)."""
+C1 = math.gamma(0.6) * math.sqrt(math.pi) / (2.0**0.2 * 5.0**0.4 * math.gamma(2.1))
+"""Coefficient C₁ = Γ(3/5)√π / (2^{1/5} 5^{2/5} Γ(21/10)) = 1.15345 of viscoelastic spheres (Brilliantov &
+Pöschel 2004, eq. 3.22)."""
 
 
 @dataclass(frozen=True)
 class Viscoelastic:
     """Restitution of viscoelastic spheres, e = 1 − C₁ A v^{1/5} + ⅗ C₁² A² v^{2/5}.
 
-    v is the normal impact speed |g·ω|, and C₁ = 1.15344. The law is the series of Brilliantov & Pöschel,
-    *Kinetic Theory of Granular Gases* (2004), eq. 3.22, up to its second term. The law has the minimum
-    7/12: e stays in [0, 1] until C₁ A v^{1/5} exceeds 5/3.
+    v is the normal impact speed |g·ω|, and C₁ = 1.15345. The law is the first three terms of the series of
+    Brilliantov & Pöschel, *Kinetic Theory of Granular Gases* (2004), eq. 3.22; A stands for their A κ^{2/5}.
+    The law has the minimum 7/12: e stays in [0, 1] until C₁ A v^{1/5} exceeds 5/3.
 
     Attributes
     ----------
@@ -69,6 +70,23 @@ class ScaledRestitution:
         return self.restitution(self.scale * np.asarray(impact_speed))
 
 
+def restitution_at(law: Callable[[np.ndarray], np.ndarray], speeds: np.ndarray) -> np.ndarray:
+    """A law at normal impact speeds, an array of their shape.
+
+    Raises
+    ------
+    ValueError
+        If the law fails there, or returns anything but real numbers of that shape.
+    """
+    values = answer(f"restitution={law!r}", law, speeds)
+    if values.shape != np.shape(speeds):
+        raise ValueError(
+            f"restitution={law!r}: must return an array of the shape it is given, got {values.shape} for "
+            f"{np.shape(speeds)}"
+        )
+    return values
+
+
 def check_restitution(restitution: Restitution, largest_speed: float = 1.0) -> None:
     """Raise ValueError unless ``restitution`` lies in [0, 1].
 
@@ -80,12 +98,7 @@ def check_restitution(restitution: Restitution, largest_speed: float = 1.0) -> N
     """
     if callable(restitution):
         speeds = np.linspace(0.0, largest_speed, 257)
-        values = np.asarray(restitution(speeds), dtype=float)
-        if values.shape != speeds.shape:
-            raise ValueError(
-                f"restitution={restitution!r}: must return an array of the shape it is given, "
-                f"got {values.shape} for {speeds.shape}"
-            )
+        values = restitution_at(restitution, speeds)
         if not np.all((values >= 0.0) & (values <= 1.0)):
             worst = speeds[np.argmax(np.abs(np.nan_to_num(values, nan=np.inf) - 0.5))]
             raise ValueError(

@@ -13,7 +13,7 @@ from granstudy.model.densities import named_density
 from granstudy.model.kernel import VHS
 from granstudy.model.restitution import Restitution, check_restitution
 from granstudy.model.stated_moments import StatedMoments
-from granstudy.support.checks import is_real, plain
+from granstudy.support.checks import answer, is_real, plain
 from granstudy.support.own_code.code import Code
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.space import VelocitySpace, check_dim, check_shape
@@ -118,7 +118,8 @@ class Scene:
         """
         if grid.dim != self.dim:
             raise ValueError(f"grid has dim {grid.dim}: the scene has dim {self.dim}")
-        f = check_density(np.asarray(self.initial(*grid.velocities())), grid)
+        f = answer(f"initial={self.initial!r}", self.initial, *grid.velocities())
+        f = check_density(f, grid)
         if isinstance(grid, VelocityGrid):
             self.symmetry.check(f, f"initial={self.initial!r}")
         return f
@@ -207,5 +208,7 @@ def check_density(f: np.ndarray, grid: VelocitySpace) -> np.ndarray:
         bad = int(np.size(f) - np.count_nonzero(np.isfinite(f)))
         raise ValueError(f"density holds {bad} values that are NaN or infinite: all must be finite")
     if not f.sum() > 0.0:
-        raise ValueError("density has no mass on the grid: its sum must be positive")
+        raise ValueError(
+            f"density has no mass on the grid of N={grid.shape[0]}, R={grid.R:g}: its sum must be positive"
+        )
     return f

@@ -6,13 +6,18 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, ClassVar
 
+import numpy as np
+
 from granstudy.model.methods import (
+    ACCURACIES,
     METHODS,
     ONLY_SOME,
     PARTICLES,
     PRODUCTS,
     QUADRATURE,
     Method,
+    accuracies,
+    check_particle_fields,
     that_take,
 )
 from granstudy.support.checks import check_count, is_count, is_real, plain
@@ -33,9 +38,6 @@ NOT_IN_USE = {"dealias": False, "precision": PRECISIONS[0], "device": DEVICES[0]
 
 REAL = ("R", "rtol")
 """Fields that are real numbers: 7 and 7.0 are one value."""
-
-LEAST_PARTICLES = 10
-"""Smallest number of particles in a batch of `dsmc`: the covariance of fewer says little."""
 
 
 def setting(default: Any, text: str) -> Any:
@@ -113,6 +115,9 @@ class Solver:
     device : str
         For `fast` and `auto`: ``cpu``, or ``gpu`` for the sum over nodes. A GPU needs CuPy or PyTorch (``pip
         install 'granstudy[gpu]'``) and a constant restitution; results differ by round-off.
+    accuracy, a2_accuracy : float or None
+        In place of all other fields: largest errors of T, relative, and of a2. A run then chooses everything,
+        and chooses again while it goes on; a2_accuracy is 10 times accuracy where it is None.
 
     Raises
     ------
@@ -141,6 +146,8 @@ class Solver:
     precision: str = setting("double", "double, or single for fast")
     threads: int | None = setting(None, "threads to use; default: one a core")
     device: str = setting("cpu", "cpu or gpu; default: cpu")
+    accuracy: float | None = setting(None, "accuracy of T, in place of all else")
+    a2_accuracy: float | None = setting(None, "accuracy of a2; default 10 times that of T")
 
     _sphere_rule_sha256: ClassVar[str | None]  # no field: it follows from one
 
@@ -162,7 +169,7 @@ class Solver:
         if self.rtol is not None:
             self._check_rtol(self.rtol)
         if self.traits.by_particles:
-            self._check_particles()
+            check_particle_fields(self.particles, self.batches, self.seed)
         named = self.sphere_rule in SPHERE_RULES
         digest = None if named else file_digest(self.sphere_rule)
         object.__setattr__(self, "_sphere_rule_sha256", digest)
@@ -171,6 +178,8 @@ class Solver:
         """Keep numbers of NumPy as numbers of Python, R and rtol as floats, a pair of nodes as a tuple."""
         for name, _ in _defaults():
             given = getattr(self, name)
+            if isinstance(given, np.ndarray):
+                raise ValueError(f"{name}={given!r}: must be one value, not an array")
             value = plain(given)
             if name in REAL and is_real(value):
                 value = float(value)
@@ -181,6 +190,10 @@ class Solver:
 
     def _check_grid(self) -> None:
         """Raise ValueError unless N and R are both good, or both open and a tolerance chooses them."""
+        if self.accuracy is not None or self.a2_accuracy is not None:
+            for name, value in accuracies(self._values(), _defaults()).items():
+                object.__setattr__(self, name, value)
+            return
         if self.N is not None and self.R is not None:
             (check_node_count if self.traits.radial else check_point_count)(self.N)
             check_radius(self.R)
@@ -237,21 +250,6 @@ class Solver:
                 raise ValueError(
                     f"{name}={value!r}: rtol={rtol!r} chooses it; leave one of them out"
                 )
-
-    def _check_particles(self) -> None:
-        """Raise ValueError for bad numbers of particles or batches, or a bad seed."""
-        check_count("particles", self.particles)
-        check_count("batches", self.batches)
-        assert self.particles is not None
-        if self.batches < 2:
-            raise ValueError(f"batches={self.batches!r}: must be at least 2, for standard errors")
-        if self.particles % self.batches or self.particles < LEAST_PARTICLES * self.batches:
-            raise ValueError(
-                f"particles={self.particles!r}: must be a multiple of batches={self.batches}, at least "
-                f"{LEAST_PARTICLES * self.batches}"
-            )
-        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
-            raise ValueError(f"seed={self.seed!r}: must be an integer of at least 0")
 
     def __eq__(self, other: object) -> bool:
         """Whether fields and the rule's file are equal; a `SizedSolver` may equal a `Solver`."""
@@ -313,6 +311,8 @@ class Solver:
 
         Keys are the names of `granstudy.datasets.parameters`; values that a run lacks are left out.
         """
+        if self.accuracy is not None:
+            return {"accuracy": self.accuracy, "a2_accuracy": self.a2_accuracy}
         grid: dict[str, Any] = {"N": self.N, "R": self.R}
         if self.traits.by_particles:
             sizes = {"particles": self.particles, "batches": self.batches, "seed": self.seed}
@@ -354,6 +354,9 @@ class Solver:
         without them; and the fields of `PRODUCTS` that are not in use.
         """
         every = {name: getattr(self, name) for name, _ in _defaults()}
+        asked = {name: every.pop(name) for name in ACCURACIES}
+        if self.accuracy is not None:
+            return asked
         unused = {"threads", *({"rtol"} if self.rtol is None else QUADRATURE)}
         unused |= {name for name in PRODUCTS if every[name] == NOT_IN_USE[name]}
         unused |= self.traits.unused if self.traits.by_particles else PARTICLES

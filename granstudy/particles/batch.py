@@ -211,9 +211,9 @@ class Batch:
         return counts if self.gas.dim == 3 else counts[:, :, 0]
 
 
-def history(batch: Batch, times: np.ndarray) -> Iterator[dict[str, Any]]:
-    """Moments of the batch at increasing ``times``, one after the other."""
-    now = 0.0
+def history(batch: Batch, times: np.ndarray, start: float = 0.0) -> Iterator[dict[str, Any]]:
+    """Moments of a batch, whose time is ``start``, at increasing ``times``, one after the other."""
+    now = start
     for time in times:
         if time > now:
             batch.advance(time - now)

@@ -12,6 +12,8 @@ from granstudy.model.kernel import VHS
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver, Solver
 from granstudy.particles.batch import COLLISIONS_A_STEP, HEATING_SPLIT
+from granstudy.support.checks import LARGEST
+from granstudy.support.machine import check_memory
 from granstudy.theory import gaussian_cooling_coefficient
 from granstudy.velocity.sphere import sphere_area
 
@@ -39,6 +41,12 @@ SECONDS_PER_RECORD = 1.0e-8
 
 SECONDS_PER_CALL = 5.0e-5
 """Seconds of one record of one batch, whatever its size."""
+
+LOG_COLDEST = -600.0
+"""Logarithm of the temperature below which a gas counts no colder: its powers would underflow."""
+
+MOST_COLLISIONS = 10**14
+"""Collisions that a run makes at most: some months on one core."""
 
 EFFICIENCY = 0.9
 """Speed that each thread after the first adds, in parts of the first: batches share memory only."""
@@ -73,11 +81,32 @@ def particle_cost(
     seconds = collisions * _seconds_per_collision(scene.kernel, n // solver.batches)
     seconds += n * expected.heating_steps * SECONDS_PER_KICK
     seconds += records * (n * SECONDS_PER_RECORD + solver.batches * SECONDS_PER_CALL)
-    points = (solver.N + 1) ** scene.dim
-    # On each thread a batch and the velocities that it was drawn from; and the majorants of all cells.
-    numbers = 20 * n / solver.batches * min(solver.thread_count, solver.batches) + 20 * points
-    memory = INTERPRETER_MB + math.ceil(8 * numbers / 2**20)
+    memory = INTERPRETER_MB + math.ceil(particle_bytes(scene, solver) / 2**20)
     return Cost(SETUP_SECONDS + n * SECONDS_PER_DRAW, seconds, 1, memory), collisions
+
+
+def particle_bytes(scene: Scene, solver: SizedSolver) -> float:
+    """Bytes of a run: on each thread a batch and what it was drawn from; and the majorants of all cells."""
+    assert solver.particles is not None
+    at_once = min(solver.thread_count, solver.batches)
+    points = (solver.N + 1) ** scene.dim
+    return 160.0 * min(solver.particles * at_once // solver.batches + points, LARGEST)
+
+
+def check_particles(scene: Scene, solver: SizedSolver, t_final: float) -> None:
+    """Raise ValueError, before any work, for particles that memory cannot hold, or a run without end."""
+    check_memory(
+        f"particles={solver.particles}, batches={solver.batches}, N={solver.N}",
+        particle_bytes(scene, solver),
+        "take fewer particles, more batches, or a smaller N",
+    )
+    assert solver.particles is not None
+    expected = solver.particles * expect(scene, solver, t_final).collisions / 2
+    if expected > MOST_COLLISIONS:
+        raise ValueError(
+            f"t_final={t_final!r}, particles={solver.particles}: the run would take {expected:.1e} "
+            f"collisions, and {MOST_COLLISIONS:.0e} is the most; take a shorter time, or a method on a grid"
+        )
 
 
 def expect(scene: Scene, solver: Solver, t_final: float) -> Expected:
@@ -92,7 +121,7 @@ def expect(scene: Scene, solver: Solver, t_final: float) -> Expected:
     lam, d, eps = scene.kernel.exponent, scene.dim, float(scene.diffusion)
 
     def rates(t: float, y: np.ndarray) -> list[float]:
-        T = math.exp(y[0])
+        T = math.exp(max(y[0], LOG_COLDEST))
         e = scene.restitution
         e = float(np.asarray(e(np.array([math.sqrt(T)])))[0]) if callable(e) else float(e)
         K = start.density * gaussian_cooling_coefficient(scene.kernel, e, d)

@@ -62,7 +62,7 @@ def particle_dataset(
     for name, values in by_batch.items():
         quantity = quantities[name]
         dims = ("time", *quantity.dimensions)
-        data[name] = labelled(values.mean(axis=0), quantity.long_name, dims)
+        data[name] = quantity.labelled(values.mean(axis=0), ("time",))
         data[f"{name}_standard_error"] = labelled(
             standard_error(values), f"standard error of {name} over batches", dims
         )

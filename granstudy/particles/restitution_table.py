@@ -3,7 +3,7 @@
 import numpy as np
 
 from granstudy.collision.weights import alpha
-from granstudy.model.restitution import Restitution, check_restitution
+from granstudy.model.restitution import Restitution, check_restitution, restitution_at
 from granstudy.particles.collisions import OCTAVES, PER_OCTAVE
 
 LARGEST_SPEED = 4.0
@@ -37,4 +37,4 @@ def alpha_table(restitution: Restitution, R: float) -> tuple[np.ndarray, float]:
     octave = np.repeat(np.arange(-OCTAVES, 0), PER_OCTAVE)
     within = np.tile(1.0 + np.arange(PER_OCTAVE) / PER_OCTAVE, OCTAVES)
     speeds = top * np.append(np.ldexp(within, octave), 1.0)
-    return np.asarray(alpha(np.asarray(restitution(speeds), dtype=float))), top
+    return np.asarray(alpha(restitution_at(restitution, speeds))), top

@@ -4,6 +4,7 @@ import numpy as np
 import scipy
 
 from granstudy.model.scene import Scene
+from granstudy.support.checks import answer
 from granstudy.velocity.cartesian import VelocityGrid
 
 MARGIN = 1.05
@@ -11,6 +12,12 @@ MARGIN = 1.05
 
 FLOOR = 0.02
 """Least majorant of a cell, over the majorants of its neighbours: finds mass that no corner sees."""
+
+LEAST_YIELD = 1e-4
+"""Smallest part of proposals that become particles; below, the density lies between the nodes."""
+
+AT_ONCE = 10**6
+"""Proposals made at once, unless more particles than half of them are missing."""
 
 NEGATIVE = 1e-12
 """Largest −f/max f that counts as round-off of 0."""
@@ -26,7 +33,7 @@ class Sampler:
     Raises
     ------
     ValueError
-        For a density that is negative, not finite, or has no mass on the grid.
+        For a density that is negative, not finite, has no mass on the grid, or has all of it between nodes.
     """
 
     def __init__(self, scene: Scene, grid: VelocityGrid) -> None:
@@ -47,6 +54,11 @@ class Sampler:
         self._majorant = majorant[self._cells]
         self._chance = self._majorant / self._majorant.sum()
         self._yield = min(1.0, centres.sum() / majorant.sum())
+        if self._yield < LEAST_YIELD:
+            raise ValueError(
+                f"initial={self._initial!r}: holds at the nodes {self._yield:.1g} of what it holds between "
+                f"them; take a larger N than {grid.N}, or a smaller R than {grid.R:g}"
+            )
 
     def _not_negative(self, f: np.ndarray) -> np.ndarray:
         """``f`` with negative round-off set to 0; ValueError for values below."""
@@ -59,7 +71,7 @@ class Sampler:
 
     def _density(self, *v: np.ndarray) -> np.ndarray:
         """The initial density at the velocities ``v``, checked."""
-        f = np.asarray(self._initial(*v), dtype=float)
+        f = answer(f"initial={self._initial!r}", self._initial, *v)
         if f.shape != v[0].shape or not np.all(np.isfinite(f)):
             raise ValueError(
                 f"initial={self._initial!r}: must return finite values of the shape of its velocity "
@@ -73,6 +85,7 @@ class Sampler:
         missing = n
         while missing > 0:
             proposals = int(1.1 * missing / self._yield) + 32
+            proposals = min(proposals, max(2 * missing, AT_ONCE))
             cell = np.repeat(self._cells, (counts := rng.multinomial(proposals, self._chance)))
             majorant = np.repeat(self._majorant, counts)
             index = np.unravel_index(cell, self._grid.shape)

@@ -2,19 +2,20 @@
 
 from collections.abc import Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass
+from dataclasses import replace
 from threading import Lock
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from granstudy.datasets.run_dataset import Ending, Header
+from granstudy.datasets.storage.checkpoint import Checkpoint
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.particles.batch import Batch, Gas, HardImpactError, history
 from granstudy.particles.dataset import particle_dataset, standard_error
 from granstudy.particles.sampling import Sampler, quiet
+from granstudy.particles.snapshot import BatchRecord, BatchSnapshots
 from granstudy.support.progress import PAUSE, Progress, watched
 from granstudy.trust.flags import Status
 from granstudy.trust.initial_errors import errors_of, integrated, true_start
@@ -22,25 +23,6 @@ from granstudy.velocity.cartesian import VelocityGrid
 
 LEAST_TEMPERATURE = 1e-150
 """Temperature below which a gas is at rest: fourth powers of velocities underflow."""
-
-
-@dataclass(frozen=True)
-class BatchRecord:
-    """All that one batch leaves.
-
-    Attributes
-    ----------
-    moments : list of dict
-        Moments at each time that the batch reached.
-    counts : dict of ndarray
-        Particles in each cell, by time.
-    reason : str
-        Why the batch ended early; "" where it did not.
-    """
-
-    moments: list[dict[str, Any]]
-    counts: dict[float, np.ndarray]
-    reason: str
 
 
 class _Reached:
@@ -86,6 +68,7 @@ def simulate_particles(
     times: Sequence[float] | np.ndarray,
     save_every: int | None = None,
     progress: Progress = None,
+    checkpoint: Checkpoint | None = None,
 ) -> xr.Dataset:
     """Simulate a scene by particles, and record its moments at any increasing times.
 
@@ -103,6 +86,9 @@ def simulate_particles(
         after it, and at the last. Default: no density is kept.
     progress : bool or callable, optional
         As of `granstudy.simulate`.
+    checkpoint : Checkpoint, optional
+        From which the run goes on where it is there, and which is written while it goes on. Whoever asked
+        for the run removes it.
 
     Returns
     -------
@@ -128,31 +114,42 @@ def simulate_particles(
     n = solver.particles // solver.batches
     kept = _kept(times, save_every)
     reached = _Reached(times, solver.batches)
+    snapshots = BatchSnapshots(checkpoint)
 
-    def run(rng: np.random.Generator) -> BatchRecord:
-        batch = Batch(gas, quiet(sampler.draw(n, rng), pressure / density), rng)
-        moments: list[dict[str, Any]] = []
-        counts: dict[float, np.ndarray] = {}
+    def run(number: int, rng: np.random.Generator) -> BatchRecord:
+        record = snapshots.record(number)
+        for time in times[: len(record.moments)]:
+            reached.add(time)
+        left = times[len(record.moments) :]
+        if record.reason or not left.size:
+            return record
+        batch = snapshots.batch(number, gas, rng)
+        if batch is None:
+            batch = Batch(gas, quiet(sampler.draw(n, rng), pressure / density), rng)
+        start = times[-len(left) - 1] if record.moments else 0.0
         try:
-            for time, values in zip(times, history(batch, times), strict=True):
-                moments.append(values)
+            for time, values in zip(left, history(batch, left, start), strict=True):
+                record.moments.append(values)
                 if time in kept:
-                    counts[time] = batch.cell_counts(grid.N, grid.L)
+                    record.counts[time] = batch.cell_counts(grid.N, grid.L)
                 reached.add(time)
+                snapshots.offer(number, batch, record, ended=time == times[-1])
         except HardImpactError as error:
-            return BatchRecord(moments, counts, str(error))
-        return BatchRecord(moments, counts, "")
+            record = replace(record, reason=str(error))
+            snapshots.offer(number, batch, record, ended=True)
+        return record
 
     streams = np.random.SeedSequence(solver.seed).spawn(solver.batches)
     with (
         watched(progress, solver.batches * len(times)) as report,
         ThreadPoolExecutor(min(solver.thread_count, solver.batches)) as pool,
     ):
-        batches = [pool.submit(run, np.random.default_rng(stream)) for stream in streams]
+        batches = [pool.submit(run, *one) for one in enumerate(map(np.random.default_rng, streams))]
         pending = set(batches)
         try:
             while pending:
                 done, pending = wait(pending, timeout=PAUSE, return_when=FIRST_COMPLETED)
+                snapshots.write()
                 for batch in done:
                     batch.result()  # raises the error of the batch
                 report(reached.records, reached.mean_time)

@@ -7,9 +7,11 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
+from granstudy.accuracy.asked import accurate_times
 from granstudy.evolution.times import TimeSettings
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
+from granstudy.support.checks import check_positive, is_real
 
 
 @dataclass(frozen=True)
@@ -42,11 +44,14 @@ class Refinement:
         if self.over not in ("N", "R"):
             raise ValueError(f"refine: {self.over!r}: must be N or R")
         steps = list(self.values)
-        if len(steps) < 2 or any(b <= a for a, b in itertools.pairwise(steps)):
+        if (
+            len(steps) < 2
+            or not all(map(is_real, steps))
+            or any(b <= a for a, b in itertools.pairwise(steps))
+        ):
             raise ValueError(f"refine.{self.over}={steps}: must be two or more increasing values")
         for name in ("temperature", "a2"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"refine.{name}={getattr(self, name)!r}: must be positive")
+            check_positive(f"refine.{name}", getattr(self, name))
 
     def describe(self) -> dict[str, Any]:
         """The refinement as plain data."""
@@ -79,7 +84,11 @@ class Computation:
     @cached_property
     def time(self) -> TimeSettings | None:
         """How the run goes through time, checked; None where nothing evolves."""
-        return None if self.time_fields is None else TimeSettings(**self.time_fields)
+        if self.time_fields is None:
+            return None
+        if self.solver.accuracy is not None:
+            return accurate_times(**self.time_fields)
+        return TimeSettings(**self.time_fields)
 
     @cached_property
     def parameters(self) -> str:

@@ -9,6 +9,7 @@ from granstudy.collision.choice.methods import OPERATORS
 from granstudy.collision.operator import choose
 from granstudy.model.choice import Choice
 from granstudy.model.scene import Scene
+from granstudy.model.solver import Solver
 from granstudy.particles.cost import particle_cost
 from granstudy.runs.computation import Computation, ladder
 from granstudy.runs.kinds import KINDS
@@ -19,6 +20,10 @@ MANY = 100_000
 STAND_IN = {2: (64, 8.0), 3: (32, 8.0)}
 """N and R of estimates, by dimension, where the run chooses them itself: to choose them takes longer than a
 workflow can wait for before it starts."""
+
+
+STAND_IN_RTOL = 1e-4
+"""Tolerance of the quadrature, likewise, of a run to an accuracy."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +56,11 @@ def chosen(computation: Computation) -> Choice:
     solver = computation.solver
     if solver.N is None:
         N, R = STAND_IN[computation.scene.dim]
-        solver = replace(solver, N=N, R=R)
+        solver = (
+            replace(solver, N=N, R=R)
+            if solver.accuracy is None
+            else Solver(N=N, R=R, method="auto", rtol=STAND_IN_RTOL, threads=solver.threads)
+        )
     return replace(choose(planned_scene(computation), solver), asked=computation.solver)
 
 
@@ -62,7 +71,7 @@ def expected_evaluations(computation: Computation) -> int:
 
 @lru_cache(maxsize=MANY)
 def estimate_run(computation: Computation) -> Estimate:
-    """Estimate a run from its parameters alone; a run with a refinement goes up its whole ladder.
+    """Estimate a run from its parameters alone; with a refinement, or with parts, the sum of its runs.
 
     Raises
     ------
@@ -71,6 +80,9 @@ def estimate_run(computation: Computation) -> Estimate:
     """
     if computation.refinement is not None:
         return _sum([estimate_run(rung) for rung in ladder(computation)])
+    if parts := KINDS[computation.kind].parts(computation):
+        whole = _sum([estimate_run(part) for part in parts])
+        return replace(whole, choice=chosen(computation))
     choice, evaluations = chosen(computation), expected_evaluations(computation)
     return Estimate(choice, evaluations, _cost(computation, choice, evaluations))
 

@@ -8,6 +8,7 @@ import xarray as xr
 
 from granstudy.collision.fast.adaptive.retuning import Tuning
 from granstudy.collision.operator import collision_operator, concrete
+from granstudy.collision.protocol import wisdom_attributes
 from granstudy.datasets.run_dataset import Ending, Header, stamped
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
@@ -33,7 +34,8 @@ def evaluate(scene: Scene, solver: Solver) -> xr.Dataset:
     operator = collision_operator(scene, choice.solver)
     Q = operator(scene.density(operator.grid))
     header = Header.of("collision", scene, choice)
-    return collision_dataset(header, operator.grid, Q, Tuning(operator).plans)
+    ds = collision_dataset(header, operator.grid, Q, Tuning(operator).plans)
+    return ds.assign_attrs(wisdom_attributes(operator))
 
 
 def collision_dataset(

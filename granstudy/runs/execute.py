@@ -1,5 +1,6 @@
 """Computing runs, each into the store, once."""
 
+import logging
 import time
 import traceback
 from collections.abc import Callable
@@ -10,6 +11,7 @@ import xarray as xr
 
 from granstudy.datasets.netcdf import read_dataset
 from granstudy.datasets.run_dataset import Ending, Header, stamped
+from granstudy.datasets.storage.checkpoint import CheckpointError
 from granstudy.runs.computation import Computation
 from granstudy.runs.estimates import chosen
 from granstudy.runs.kinds import KINDS
@@ -18,6 +20,8 @@ from granstudy.runs.run_key import run_key
 from granstudy.runs.store import Store
 from granstudy.support.progress import Progress
 from granstudy.trust.flags import Status, Trust, flag_variable, flag_word
+
+log = logging.getLogger(__name__)
 
 CAUSES = (ValueError, ArithmeticError)
 """Errors that a run's own parameters cause, so that it would fail again (LinAlgError among them). Such a run
@@ -56,13 +60,25 @@ class Outcome:
         return (self.trust or "unlabelled") if self.status == "ok" else "failed"
 
 
-def execute(computation: Computation, threads: int, progress: Progress = False) -> xr.Dataset:
+def execute(
+    computation: Computation,
+    threads: int,
+    progress: Progress = False,
+    checkpoint: Path | None = None,
+) -> xr.Dataset:
     """Compute a run with so many threads, outside of any store.
 
     A run that ends early is a dataset too, with its status: nothing computed is lost.
 
+    Parameters
+    ----------
+    checkpoint : Path, optional
+        File that a long run goes on from, and that it is written to while it is computed.
+
     Raises
     ------
+    CheckpointError
+        If the checkpoint is that of another run.
     ValueError
         For a benchmark's run: those are computed together (`granstudy.study.benchmark.benchmark`).
     """
@@ -71,7 +87,7 @@ def execute(computation: Computation, threads: int, progress: Progress = False) 
         raise ValueError(
             f"run={computation.kind!r}: all runs of an experiment are computed together"
         )
-    return compute(computation, replace(computation.solver, threads=threads), progress)
+    return compute(computation, replace(computation.solver, threads=threads), progress, checkpoint)
 
 
 def obtain(
@@ -82,6 +98,9 @@ def obtain(
     progress: Progress = False,
 ) -> Outcome:
     """The outcome of a run: out of the store, or computed now and kept there.
+
+    A run that was interrupted goes on from its checkpoint in the store. One that cannot be used is deleted,
+    which the log says.
 
     Parameters
     ----------
@@ -103,7 +122,13 @@ def obtain(
             )
         if computation.refinement is not None:
             return refined(computation, _in_store(store, threads, progress))
-        return execute(computation, threads, progress)
+        checkpoint = store.checkpoint(key)
+        try:
+            return execute(computation, threads, progress, checkpoint)
+        except CheckpointError as error:
+            log.warning("%s. It is deleted, and the run starts anew", error)
+            checkpoint.unlink(missing_ok=True)
+            return execute(computation, threads, progress, checkpoint)
 
     def failed(reason: str) -> xr.Dataset:
         return failed_dataset(computation, reason)

@@ -1,12 +1,15 @@
 """The key of a run: a hash over all that its numbers depend on, parameters and code."""
 
 import hashlib
+import itertools
 from collections.abc import Iterable, Sequence
 
 from granstudy.collision.choice.cheapest import choose_method
 from granstudy.collision.choice.grid import fit_solver
 from granstudy.collision.choice.methods import maker
+from granstudy.collision.fast.adaptive.operator import AdaptiveOperator
 from granstudy.model.choice import Choice
+from granstudy.model.solver import Solver
 from granstudy.runs.computation import Computation, ladder
 from granstudy.runs.estimates import chosen
 from granstudy.runs.kinds import KINDS
@@ -38,7 +41,10 @@ def rung_keys(computations: Iterable[Computation]) -> list[str]:
 def code_of_run(computation: Computation) -> tuple[str, ...]:
     """Modules that a run uses (`code_modules`)."""
     modules = code_modules(computation.kind, chosen(computation))
-    return modules if computation.refinement is None else (*modules, refined.__module__)
+    if computation.refinement is not None:
+        modules = (*modules, refined.__module__)
+    parts = [code_of_run(part) for part in KINDS[computation.kind].parts(computation)]
+    return tuple(dict.fromkeys(itertools.chain(modules, *parts)))
 
 
 def code_modules(kind: str, choice: Choice) -> tuple[str, ...]:
@@ -46,6 +52,11 @@ def code_modules(kind: str, choice: Choice) -> tuple[str, ...]:
 
     All that these import belongs to the code of the run too (`granstudy.support.fingerprint`).
     """
+    if choice.asked.accuracy is not None:
+        made_by = (maker(Solver(N=4, R=1.0, method="radial")), AdaptiveOperator)
+        computed_by = KINDS[kind].to_accuracy
+        assert computed_by is not None  # the run has been checked
+        return tuple(function.__module__ for function in (computed_by, *made_by))
     functions = [KINDS[kind].code(choice.solver)]
     if not choice.solver.traits.by_particles:
         functions.append(maker(choice.solver))

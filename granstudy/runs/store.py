@@ -11,10 +11,16 @@ import xarray as xr
 from filelock import FileLock
 
 from granstudy.datasets.netcdf import read_dataset, read_head, write_dataset
-from granstudy.support.files import remove_abandoned
+from granstudy.support.files import TEMPORARY_PREFIX, remove_abandoned
 
 FOLDER = ".runs"
 """Name of the store's folder beside the results of the studies that share it."""
+
+CHECKPOINT = ".checkpoint"
+"""Ending of the file that an unfinished run goes on from."""
+
+FORGOTTEN = 30 * 86400.0
+"""Age in seconds from which a checkpoint counts as forgotten: jobs wait for days to go on."""
 
 SIDECAR = ".json"
 """Ending of the file beside a run's that says when and where it was computed."""
@@ -26,7 +32,8 @@ class Store:
 
     A key says all that a run's numbers depend on. So a run that is there need never be computed again, for
     whichever study, sweep or notebook. Processes may write at the same time: a file appears whole or not at
-    all, and `claim` keeps two of them from computing the same run.
+    all, and `claim` keeps two of them from computing the same run. A long run that is computed has a
+    checkpoint beside its place, from which it goes on after an interruption.
 
     Attributes
     ----------
@@ -56,6 +63,22 @@ class Store:
                     f.name[:-3] for f in files if f.name.endswith(".nc") and f.name[0] != "."
                 )
         return found
+
+    def checkpoint(self, key: str) -> Path:
+        """File that the unfinished run of that key goes on from, there or not."""
+        return self.path(key).with_name(f".{key}{CHECKPOINT}")
+
+    def unfinished(self) -> set[str]:
+        """Keys of all runs that have a checkpoint."""
+        return {_key_of(path) for path in self._checkpoints()}
+
+    def _checkpoints(self) -> list[Path]:
+        return [
+            path
+            for shelf in self._shelves()
+            for path in shelf.glob(f".*{CHECKPOINT}")
+            if not path.name.startswith(TEMPORARY_PREFIX)
+        ]
 
     def _shelves(self) -> list[Path]:
         if not self.folder.is_dir():
@@ -95,13 +118,23 @@ class Store:
         return damaged
 
     def write(self, key: str, ds: xr.Dataset, duration: float) -> None:
-        """Keep a run under its key, whole or not at all; ``duration`` is its wall time in seconds."""
+        """Keep a run under its key, whole or not at all; ``duration`` is its wall time in seconds.
+
+        Its checkpoint goes.
+        """
         write_dataset(ds.assign_attrs(run_key=key), self.path(key), duration=duration)
+        with suppress(OSError):
+            self.checkpoint(key).unlink()
+
+    def size(self, key: str) -> int:
+        """Bytes of a run and of its checkpoint."""
+        files = [path for path in (self.path(key), self.checkpoint(key)) if path.is_file()]
+        return sum(path.stat().st_size for path in files)
 
     def remove(self, key: str) -> None:
         """Forget a run."""
         path = self.path(key)
-        for file in (path, sidecar(path)):
+        for file in (path, sidecar(path), self.checkpoint(key)):
             file.unlink(missing_ok=True)
 
     @contextmanager
@@ -119,9 +152,20 @@ class Store:
             Path(lock.lock_file).unlink()
 
     def sweep(self, age: float, now: float) -> None:
-        """Remove unfinished files of killed processes that are older than ``age`` seconds."""
+        """Remove unfinished files of killed processes that are older than ``age`` seconds.
+
+        Checkpoints stay until they are `FORGOTTEN`, unless their run is there.
+        """
         for shelf in self._shelves():
             remove_abandoned(shelf, age, now)
+        for path in self._checkpoints():
+            with suppress(OSError):
+                if _key_of(path) in self or now - path.stat().st_mtime > FORGOTTEN:
+                    path.unlink()
+
+
+def _key_of(checkpoint: Path) -> str:
+    return checkpoint.name.removeprefix(".").removesuffix(CHECKPOINT)
 
 
 def sidecar(path: Path) -> Path:

@@ -19,18 +19,24 @@ from granstudy.states.tail import tail_slope
 from granstudy.support.variables import labelled
 from granstudy.trust.flags import Status
 from granstudy.trust.health import sign_variables, trust_variable, verdict
-from granstudy.velocity.moments import COMPONENTS, Quantity
+from granstudy.velocity.moments import A3, COMPONENTS, Quantity
 from granstudy.velocity.space import VelocitySpace
 
 QUANTITIES = {
-    "density": Quantity("density ρ"),
-    "velocity": Quantity("bulk velocity u", ("component",)),
-    "temperature": Quantity("temperature T"),
-    "a2": Quantity("kurtosis excess a2"),
-    "a3": Quantity("sixth-order Sonine coefficient a3 = 1 + 3a2 − ⟨|v−u|⁶⟩/(d(d+2)(d+4)T³)"),
-    "cooling_rate": Quantity("rate −T'/T of the cooling by collisions"),
-    "cooling_coefficient": Quantity("K of the cooling by collisions, T' = −ρK T^{1+λ/2}"),
-    "velocity_scale": Quantity("velocity scale θ, v = u + θc"),
+    "density": Quantity("density", symbol=r"$\rho$"),
+    "velocity": Quantity("bulk velocity", ("component",), symbol="$u$"),
+    "temperature": Quantity("temperature", symbol="$T$"),
+    "a2": Quantity("kurtosis excess", symbol="$a_2$"),
+    "a3": A3,
+    "cooling_rate": Quantity(
+        "rate of the cooling by collisions", definition="−T'/T", symbol=r"$-\dot T/T$"
+    ),
+    "cooling_coefficient": Quantity(
+        "coefficient of the cooling by collisions",
+        definition="K in T' = −ρK T^{1+λ/2}",
+        symbol="$K$",
+    ),
+    "velocity_scale": Quantity("velocity scale", definition="θ in v = u + θc", symbol=r"$\theta$"),
     "mass_loss": Quantity(
         "rate at which mass leaves the grid, over s: what is put back in the shape of g"
     ),
@@ -71,10 +77,7 @@ def state_dataset(
         coords=grid.coordinates(),
     )
     ds = on_scaled_velocities(held, grid.axes).assign(
-        {
-            name: labelled(values[name], quantity.long_name, quantity.dimensions)
-            for name, quantity in QUANTITIES.items()
-        }
+        {name: quantity.labelled(values[name]) for name, quantity in QUANTITIES.items()}
     )
     ds = ds.assign_coords(component=list(COMPONENTS[: grid.dim]))
     ds = _with_tail(ds, g, grid, gas.temperature, 1.0 + exponent / 2 if heated else exponent)

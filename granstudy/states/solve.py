@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from granstudy.collision import collision_operator, concrete
+from granstudy.collision.protocol import wisdom_attributes
 from granstudy.datasets.run_dataset import Header
 from granstudy.evolution.unknowns import representation
 from granstudy.model.densities import Maxwellian
@@ -12,6 +13,7 @@ from granstudy.model.solver import SizedSolver, Solver
 from granstudy.states.dataset import state_dataset
 from granstudy.states.equation import SteadyEquation, gas_of
 from granstudy.states.newton import DENSE, Solution, newton
+from granstudy.support.checks import check_count, is_real
 from granstudy.support.progress import Progress, watched
 from granstudy.trust.changes import change_of_moments
 from granstudy.trust.error_estimate import a2_relaxation, imbalance
@@ -29,70 +31,22 @@ VECTORS = 40
 def cooling_state(
     scene: Scene,
     solver: Solver,
-    *,
     tolerance: float = 1e-9,
     max_iterations: int = 20,
     progress: Progress = None,
 ) -> xr.Dataset:
-    """Solve for the homogeneous cooling state: f = θ^{−d} g((v−u)/θ), with a g that stays as it is.
-
-    The equation is Q(g,g) + (θ'/θ) ∇c·(c g) = 0, at θ = 1. The scene gives density, bulk velocity and
-    temperature, as its initial density has them on the grid. The temperature sets how far the grid reaches
-    in thermal speeds.
-
-    Parameters
-    ----------
-    scene : Scene
-        A scene with constant e < 1 and ε = 0.
-    solver : Solver
-        Any method but `dsmc`, with N and R given. As the state is isotropic, `auto` takes `radial`; only
-        these two may have an ``rtol``.
-    tolerance : float
-        Largest residual, over the largest value of (θ'/θ) ∇c·(c g).
-    max_iterations : int
-        Largest number of steps of Newton's method.
-    progress : bool or callable, optional
-        Show a progress bar, or call a function of (done, total, time) after each step, with total
-        ``max_iterations`` and time NaN. Default: a bar where a person watches (a terminal, a notebook).
-
-    Returns
-    -------
-    xarray.Dataset
-        Parameters, status, trust and attributes as of a run (`granstudy.simulate`). A state that was not
-        found has the status failed, with the reason; the last iterate is then given as it is.
-
-        =============================================  =========================================
-        `g`                                            density over the scaled velocities
-        `temperature`, `a2`, `a3`                      T, kurtosis excess, Sonine coefficient a3
-        `cooling_rate`, `cooling_coefficient`          −T'/T; K of T' = −ρK T^{1+λ/2}
-        `tail_slope` over ``tail_speed`` = |v−u|/√T    −d ln f/d c^λ; at λ = 0, −d ln f/d ln c
-        `residual` over ``iteration``                  how Newton's method converged
-        =============================================  =========================================
-
-    Raises
-    ------
-    ValueError
-        For a scene without such a state, or a solver that cannot find it, before any work starts.
-    """
+    """`granstudy.cooling_state` with a solver; parameters and errors are explained there."""
     return _state(scene, solver, False, tolerance, max_iterations, progress)
 
 
 def heated_state(
     scene: Scene,
     solver: Solver,
-    *,
     tolerance: float = 1e-9,
     max_iterations: int = 20,
     progress: Progress = None,
 ) -> xr.Dataset:
-    """Solve for the steady state of a gas heated by diffusion, Q(f,f) + εΔf = 0.
-
-    The equation is Q(g,g) + sΔg = 0 for f = θ^{−d} g((v−u)/θ), at the temperature T_g of the scene's initial
-    density on the grid. Then θ^{2+λ} = ε/s and T = θ²T_g, so that the grid holds the state at any ε.
-
-    Parameters, returned dataset and errors are as of `cooling_state`, with two differences: ε must be
-    above 0, and `tail_slope` is −d ln f/d c^{1+λ/2}.
-    """
+    """`granstudy.heated_state` with a solver; parameters and errors are explained there."""
     return _state(scene, solver, True, tolerance, max_iterations, progress)
 
 
@@ -145,9 +99,9 @@ def _state(
     """Solve for the heated, or the cooling state."""
     check_state(scene, solver, heated)
     _check_settings(tolerance, max_iterations)
+    choice = concrete(gaussian_scene(scene), solver)
     gas = gas_of(scene, solver)
     gaussian = gaussian_scene(scene, gas.temperature)
-    choice = concrete(gaussian, solver)
     operator = collision_operator(gaussian, choice.solver)
     grid = operator.grid
     equation = SteadyEquation(
@@ -163,7 +117,8 @@ def _state(
         found = newton(equation, start, tolerance, max_iterations, report)
     examined = _health(gaussian, equation, found, heated)
     header = Header.of("heated state" if heated else "cooling state", scene, choice)
-    return state_dataset(header, gas, equation, found, examined, heated)
+    ds = state_dataset(header, gas, equation, found, examined, heated)
+    return ds.assign_attrs(wisdom_attributes(operator))
 
 
 def _check_solver(solver: Solver) -> None:
@@ -185,10 +140,9 @@ def _check_solver(solver: Solver) -> None:
 
 def _check_settings(tolerance: object, max_iterations: object) -> None:
     """Raise ValueError for a bad tolerance or number of steps."""
-    if not isinstance(tolerance, (int, float)) or not 0.0 < tolerance < 1.0:
+    if not is_real(tolerance) or not 0.0 < tolerance < 1.0:
         raise ValueError(f"tolerance={tolerance!r}: must be a number between 0 and 1")
-    if not isinstance(max_iterations, int) or max_iterations < 1:
-        raise ValueError(f"max_iterations={max_iterations!r}: must be a positive integer")
+    check_count("max_iterations", max_iterations)
 
 
 def _health(

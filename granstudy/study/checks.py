@@ -27,8 +27,15 @@ def check_computation(computation: Computation) -> None:
         for rung in ladder(computation):
             check_computation(rung)
         return
+    for part in KINDS[computation.kind].parts(computation):
+        check_computation(part)
     check_size(computation)
     kind, solver = KINDS[computation.kind], computation.solver
+    if solver.accuracy is not None and kind.to_accuracy is None:
+        able = " and ".join(name for name, one in KINDS.items() if one.to_accuracy is not None)
+        raise ValueError(
+            f"accuracy={solver.accuracy!r}: only for {able}, not {computation.kind} runs"
+        )
     if solver.N is None and kind.needs_size:
         raise ValueError(f"N=None: {computation.kind} runs need N and R")
     kind.check(computation)

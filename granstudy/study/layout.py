@@ -102,6 +102,13 @@ class Layout:
         """What the file `complete` will say, while some runs of an experiment are missing."""
         return f"{self.jobs}/{name}.runs"
 
+    def since(self, name: str) -> str:
+        """When runs of an experiment were first missing, since they were last all there; in nanoseconds.
+
+        Snakemake takes a file that is gone for up to date where all that led to it is as it was. This is not.
+        """
+        return f"{self.jobs}/{name}.since"
+
     def dataset(self, name: str) -> str:
         """All runs of an experiment as one dataset, without densities; of a benchmark its one file."""
         return (
@@ -204,6 +211,27 @@ class Layout:
         return [self.dataset(experiment) for experiment in self._notebooks.get(name, ())]
 
     @property
+    def report(self) -> str:
+        """The study on one page."""
+        return f"{self.results}/index.html"
+
+    def table_page(self, name: str) -> str:
+        """Table of an experiment, or of the map, as a page for Snakemake's report."""
+        return f"{self.results}/report/{name}.html"
+
+    @property
+    def tabled(self) -> list[str]:
+        """Names that have a table: the map, and experiments that ask for a table or a figure."""
+        experiments = self.study.model.experiments
+        names = [name for name, one in experiments.items() if one.table or one.figure]
+        return [*([MAP] if self.study.model.map is not None else []), *names]
+
+    @property
+    def reported(self) -> list[str]:
+        """What the report shows."""
+        return [*self.datasets, *self.tables, *self.figures, *self.map]
+
+    @property
     def wanted(self) -> list[str]:
         """All that the study asks for."""
-        return [*self.datasets, *self.tables, *self.figures, *self.map, *self.notebooks]
+        return [*self.reported, *self.notebooks, self.report]

@@ -14,11 +14,13 @@ from granstudy.model.methods import METHODS, PARTICLES
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.runs.computation import Computation
+from granstudy.runs.labels.cases import Case, random_case
 from granstudy.study.schema.experiment import (
     BenchmarkExperiment,
     CollisionExperiment,
     EvolutionExperiment,
     Experiment,
+    LabelsExperiment,
     TimingModel,
 )
 from granstudy.study.schema.generated import Section
@@ -147,8 +149,18 @@ class Run:
         return {key: value for key, value in self.values if key in wanted}
 
     @cached_property
+    def _case(self) -> Case:
+        """The random run of this run's seed."""
+        seed = dict(self.values)["seed"]
+        if type(seed) is not int or seed < 0:
+            raise ValueError(f"seed={seed!r}: must be an integer of at least 0")
+        return random_case(seed)
+
+    @cached_property
     def scene(self) -> Scene:
         """The scene with this run's swept values."""
+        if isinstance(self.model, LabelsExperiment):
+            return self._case.scene
         solver_and_time = {*SolverModel.model_fields, *TimeModel.model_fields}
         swept = {
             COORDINATES.get(key, key): value
@@ -168,8 +180,10 @@ class Run:
     @cached_property
     def solver(self) -> Solver:
         """The solver with this run's swept values."""
+        if isinstance(self.model, LabelsExperiment):
+            return self._case.solver
         swept = self._values_of(SolverModel.model_fields)
-        settings = self.model.solver.model_dump(exclude_none=True) | swept
+        settings = self.model.solver_words | swept
         if not _takes(settings, "particles"):
             # So that an experiment can sweep over methods, one of them by particles.
             settings = _without(settings, PARTICLES - swept.keys())
@@ -183,6 +197,7 @@ class Run:
         if isinstance(rule, str) and (self.folder / rule).is_file():
             settings["sphere_rule"] = str(self.folder / rule)
         may_be_open = "rtol" in settings and _takes(settings, "rtol")
+        may_be_open |= "accuracy" in settings or "a2_accuracy" in settings
         for needed in ("N", "R"):
             if needed not in settings and not may_be_open:
                 raise ValueError(f"{needed}: set solver.{needed} or sweep {needed}")
@@ -193,10 +208,13 @@ class Run:
     @property
     def time_fields(self) -> dict[str, Any]:
         """How an evolution goes through time, as `granstudy.simulate` takes it; unset fields stay out."""
+        if isinstance(self.model, LabelsExperiment):
+            return dict(self._case.time)
         assert isinstance(self.model, EvolutionExperiment)
         model = self.model.time
         fields = model.model_dump(exclude_none=True) | self._values_of(TimeModel.model_fields)
-        if "dt" not in fields and "time_rtol" not in fields:
+        steps_open = self.solver.accuracy is not None
+        if "dt" not in fields and "time_rtol" not in fields and not steps_open:
             raise ValueError("dt: set time.dt or sweep dt, or set or sweep time_rtol")
         if isinstance(model.times, TimesModel):
             fields["times"] = model.times.outputs(fields["t_final"])
@@ -211,7 +229,7 @@ class Run:
 
     @property
     def _evolves(self) -> bool:
-        return isinstance(self.model, EvolutionExperiment)
+        return isinstance(self.model, EvolutionExperiment | LabelsExperiment)
 
     @cached_property
     def computation(self) -> Computation:

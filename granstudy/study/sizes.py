@@ -3,12 +3,13 @@
 import math
 import os
 from functools import cache
-from typing import Any
 
+import psutil
+
+from granstudy.evolution.times import NUMBERS_AN_OUTPUT
 from granstudy.model.solver import Solver
 from granstudy.runs.computation import Computation
 from granstudy.runs.estimates import estimate_run
-from granstudy.support.checks import is_real
 
 MOST = {
     "N": 100_000,
@@ -20,14 +21,8 @@ MOST = {
 }
 """Sizes of a solver at most, a thousand times what a study needs; `M_sph` as a pair by its product."""
 
-MOST_STEPS = 10**8
-"""Steps of one size that a run makes at most."""
-
 NUMBERS_A_NODE = 10
 """Numbers that a run on a Cartesian grid keeps for each node at least."""
-
-NUMBERS_AN_OUTPUT = 60
-"""Numbers that a run records at each output: moments, signs of health, exact laws."""
 
 MEMORY = "GRANSTUDY_MEMORY_GB"
 """Environment variable: gigabytes of the machine that computes the runs, where it is another one."""
@@ -44,18 +39,18 @@ def check_size(computation: Computation) -> None:
         Names the field, its value and what is allowed, or the memory that the run would take.
     """
     _check_counts(computation.solver)
-    memory = 0.0
-    if computation.time_fields is not None:
-        memory += 8.0 * NUMBERS_AN_OUTPUT * _steps(computation.time_fields)
+    time = computation.time
+    if time is not None and time.dt is not None:
+        outputs = 8.0 * NUMBERS_AN_OUTPUT * time.steps
+        _check_memory(f"t_final={time.t_final!r}, dt={time.dt!r}", outputs / 2**20)
     solver, dim = computation.solver, computation.scene.dim
     if solver.N is not None and not solver.traits.radial:
-        memory += 8.0 * NUMBERS_A_NODE * solver.N**dim
-    _check_memory(computation, memory / 2**20)
+        _check_memory(_fields(computation), 8.0 * NUMBERS_A_NODE * solver.N**dim / 2**20)
 
 
 def check_estimate(computation: Computation) -> None:
     """Raise ValueError where a run would take more memory than the machine has, by its estimated cost."""
-    _check_memory(computation, estimate_run(computation).cost.memory_mb)
+    _check_memory(_fields(computation), estimate_run(computation).cost.memory_mb)
 
 
 def _check_counts(solver: Solver) -> None:
@@ -66,25 +61,16 @@ def _check_counts(solver: Solver) -> None:
             raise ValueError(f"{name}={value!r}: must be {most:,} at most")
 
 
-def _steps(fields: Any) -> float:
-    """Steps of one size from time fields that are not checked yet; 0 where the steps adapt."""
-    t_final, dt = fields.get("t_final"), fields.get("dt")
-    if not (is_real(t_final) and is_real(dt) and t_final > 0.0 and dt > 0.0):
-        return 0.0
-    if t_final > MOST_STEPS * dt:
-        raise ValueError(
-            f"dt={dt!r}: t_final={t_final!r} would take more than {MOST_STEPS:,} steps; take a larger dt, or "
-            "time_rtol"
-        )
-    return float(t_final / dt)
+def _fields(computation: Computation) -> str:
+    solver = computation.solver
+    return f"N={solver.N!r}, method={solver.method!r}"
 
 
-def _check_memory(computation: Computation, memory_mb: float) -> None:
+def _check_memory(fields: str, memory_mb: float) -> None:
     there = machine_memory_mb()
     if memory_mb > there:
-        solver = computation.solver
         raise ValueError(
-            f"N={solver.N!r}, method={solver.method!r}: the run would take {memory_mb / 1024:,.1f} GB; this "
+            f"{fields}: the run would take {memory_mb / 1024:,.1f} GB; this "
             f"machine has {there / 1024:,.1f} GB (set {MEMORY} where another one computes)"
         )
 
@@ -104,7 +90,7 @@ def machine_memory_mb() -> float:
 @cache
 def _physical_mb() -> float:
     """Megabytes of this machine; asked once, as runs are checked by the thousand."""
-    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**20
+    return psutil.virtual_memory().total / 2**20
 
 
 def _stated_mb(said: str) -> float:

@@ -13,7 +13,7 @@ from granstudy.runs.store import link, sidecar
 from granstudy.study.jobs import Job, jobs, seconds_of
 from granstudy.study.layout import Layout
 from granstudy.study.study import Member
-from granstudy.support.files import ABANDONED, read_json, write_json
+from granstudy.support.files import ABANDONED, read_json, write_json, write_text
 
 
 @dataclass(frozen=True)
@@ -81,28 +81,20 @@ class State:
         return found
 
 
-SHIPPED = Path("workflow") / "config"
-"""Where the study files of a checkout lie; their results are committed beside, in the default folder."""
-
-
 def check_owner(layout: Layout, file: str | Path | None) -> None:
-    """Raise ValueError where results of another study file lie, or are committed, under the study's name.
+    """Raise ValueError where results of another study file lie under the study's name.
 
     A study file that is no longer there has given up its name. A study that was built in Python has no file,
     and any file's name is taken for it.
     """
     if any(character in layout.folder for character in "{}"):
         raise ValueError(f"results={layout.folder!r}: must have no braces, which Snakemake reads")
-    owners = [read_json(layout.manifest).get("file")]
-    folder = Path(layout.folder).resolve()
-    if folder.name == Layout.folder:
-        owners.append(folder.parent / SHIPPED / f"{layout.study.name}.yaml")
-    for owner in owners:
-        if owner and Path(owner).is_file() and not (file and Path(file).samefile(owner)):
-            raise ValueError(
-                f"{file or f'study {layout.study.name!r}'}: {layout.results} holds the results of another "
-                f"study, {owner}; take another name, or another folder: --config results=..."
-            )
+    owner = read_json(layout.manifest).get("file")
+    if owner and Path(owner).is_file() and not (file and Path(file).samefile(owner)):
+        raise ValueError(
+            f"{file or f'study {layout.study.name!r}'}: {layout.results} holds the results of another "
+            f"study, {owner}; take another name, or another folder: --config results=..."
+        )
 
 
 def prepare(layout: Layout, file: str | Path, cores: int | None) -> list[Job]:
@@ -126,9 +118,11 @@ def prepare(layout: Layout, file: str | Path, cores: int | None) -> list[Job]:
     state = State(layout)
     show(state, file)
     left = jobs(state.missing, cores)
-    for job in left:
-        job.write(Path(layout.job_file(job.id)))
     _forget_jobs(state, {job.id for job in left})
+    for job in left:
+        # A receipt from when its runs were there would leave the job out.
+        Path(layout.receipt(job.id)).unlink(missing_ok=True)
+        job.write(Path(layout.job_file(job.id)))
     layout.store.sweep(ABANDONED, time.time())
     _write_overview(state, left, cores)
     return left
@@ -178,6 +172,9 @@ def _show_complete(state: State, name: str) -> None:
     keys = {m.path: m.key for m in state.layout.study.members if m.experiment == name}
     path = Path(state.layout.complete(name))
     if not all(key in state.there for key in keys.values()):
+        since = Path(state.layout.since(name))
+        if path.exists() or not since.exists():
+            write_text(since, str(time.time_ns()))
         path.unlink(missing_ok=True)
         write_json(Path(state.layout.awaited(name)), keys)
     elif read_json(path) != keys:
@@ -219,5 +216,6 @@ def _write_overview(state: State, left: list[Job], cores: int | None) -> None:
         "seconds": sum(job.total for job in left),
         "cores": cores or 1,
         "labels": labels(state),
+        "page": layout.report,
     }
     write_json(layout.overview, content)

@@ -6,6 +6,7 @@ the name of a file says all that its code was compiled from, and the file holds 
 """
 
 import hashlib
+import os
 import pickle
 import types
 import warnings
@@ -16,6 +17,7 @@ from typing import Any
 import numba
 import numpy as np
 from numba.core.caching import FunctionCache
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.dispatcher import Dispatcher
 from numba.core.serialize import dumps
 
@@ -23,6 +25,14 @@ from granstudy.support.files import sealed, unsealed, write_whole
 
 DIGITS = 16
 """Hexadecimal digits of each of the two hashes in a file's name."""
+
+if hasattr(os, "register_at_fork"):  # not on Windows, which has no fork
+    # A fork waits for a compilation of another thread: else the child finds the compiler locked for ever.
+    os.register_at_fork(
+        before=global_compiler_lock.acquire,
+        after_in_parent=global_compiler_lock.release,
+        after_in_child=global_compiler_lock.release,
+    )
 
 _said: list[str] = []
 """Why machine code cannot be kept, once it has been said."""

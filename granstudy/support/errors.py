@@ -14,6 +14,10 @@ RAN_AWAY = (NotFiniteError, ArithmeticError, np.linalg.LinAlgError)
 """What arithmetic raises where a density runs away: overflow, division by zero, a singular matrix."""
 
 
+class LawRangeError(NotFiniteError):
+    """A law of restitution is asked for speeds at which it has no value; the message says which."""
+
+
 class ToleranceError(ValueError):
     """A tolerance cannot be reached on the solver's grid."""
 

@@ -35,17 +35,24 @@ def write_whole(path: Path, write: Callable[..., Any]) -> None:
     partial = Path(name)
     try:
         write(partial)
-        with open(partial, "rb") as file:
+        with open(partial, "rb+") as file:  # Windows synchronises what it may write
             os.fsync(file.fileno())
         partial.chmod(0o644)
         os.replace(partial, path)
-        folder = os.open(path.parent, os.O_RDONLY)
-        try:
-            os.fsync(folder)
-        finally:
-            os.close(folder)
+        _synchronise(path.parent)
     finally:
         partial.unlink(missing_ok=True)
+
+
+def _synchronise(folder: Path) -> None:
+    """Have the disk hold a folder's names; Windows opens no folder."""
+    if not hasattr(os, "O_DIRECTORY"):
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
 
 
 def write_text(path: Path, text: str) -> None:

@@ -1,6 +1,7 @@
 """The log of a script that Snakemake starts, and how the script ends when it is told to."""
 
 import atexit
+import logging
 import os
 import signal
 import sys
@@ -12,8 +13,9 @@ from typing import NoReturn
 def log_to(path: str | Path) -> None:
     """Write all that this process and its libraries say into the file ``path``; end at once on SIGTERM.
 
-    Standard output and standard error lead into the file from now on, line by line. On SIGTERM the process
-    leaves through `SystemExit`, so that files half-written are swept, and without a traceback.
+    Standard output and standard error lead into the file from now on, line by line. `logging` writes there
+    too: of granstudy all from INFO on, of other packages warnings. On SIGTERM the process leaves through
+    `SystemExit`, so that files half-written are swept, and without a traceback.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -24,6 +26,8 @@ def log_to(path: str | Path) -> None:
         os.dup2(file.fileno(), 2)
     sys.stdout = os.fdopen(1, "w", buffering=1, closefd=False, encoding="utf-8")
     sys.stderr = os.fdopen(2, "w", buffering=1, closefd=False, encoding="utf-8")
+    logging.basicConfig(format="%(asctime)s %(message)s", datefmt="%H:%M:%S")
+    logging.getLogger("granstudy").setLevel(logging.INFO)
     signal.signal(signal.SIGTERM, _leave)
 
 

@@ -1,8 +1,25 @@
 """Cores and memory of the machine that this process may use."""
 
 import os
+import platform
 from contextlib import suppress
 from pathlib import Path
+
+from granstudy.support.checks import LARGEST
+
+CPUINFO = Path("/proc/cpuinfo")
+"""Where Linux describes its processors, one after the other."""
+
+CPU_MODEL = (
+    "vendor_id",
+    "cpu family",
+    "model",
+    "model name",
+    "stepping",
+    "CPU implementer",
+    "CPU part",
+)
+"""What the description of a processor has of its model, on x86 and on ARM."""
 
 CGROUP = Path("/sys/fs/cgroup")
 """Where Linux says what a group of processes may use: a container's, a job's."""
@@ -13,6 +30,17 @@ def cores() -> int:
     if hasattr(os, "sched_getaffinity"):  # not on macOS
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def cpu_model() -> str:
+    """Model of this machine's processor, as the system describes it."""
+    described = {}
+    with suppress(OSError):
+        for line in CPUINFO.read_text().partition("\n\n")[0].splitlines():
+            name, _, value = line.partition(":")
+            described[name.strip()] = value.strip()
+    known = [described[name] for name in CPU_MODEL if name in described]
+    return " ".join(known or [platform.machine(), platform.processor()])
 
 
 def memory() -> int | None:
@@ -42,6 +70,7 @@ def check_memory(what: str, needed: float, remedy: str) -> None:
     """
     allowed = memory()
     if allowed is not None and needed > allowed:
+        needed = min(needed, LARGEST)  # an integer may be beyond the largest float
         raise ValueError(
             f"{what}: takes about {needed / 1e9:.3g} GB of memory, and there are {allowed / 1e9:.3g} GB; "
             f"{remedy}"

@@ -13,6 +13,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+import psutil
+
 from granstudy.support.files import TEMPORARY_PREFIX
 
 SUFFIX = ".progress.json"
@@ -117,13 +119,7 @@ def read_progress_file(path: Path) -> JobProgress | None:
 
 def _alive(pid: int) -> bool:
     """Whether a process of this host lives."""
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        return True
-    return True
+    return psutil.pid_exists(pid)  # os.kill(pid, 0) ends it on Windows
 
 
 def duration(seconds: float) -> str:

@@ -4,6 +4,7 @@ import numpy as np
 from scipy.special import gamma
 
 from granstudy.model.kernel import VHS
+from granstudy.theory.broadcast import Result, over_arrays
 from granstudy.theory.checks import check_restitution
 from granstudy.velocity.space import check_dim
 from granstudy.velocity.sphere import sphere_area
@@ -12,6 +13,7 @@ MAXWELL_COOLING = "exponent=0: Maxwell molecules cool exponentially; Haff's law 
 """Message of the error for λ = 0."""
 
 
+@over_arrays(Result("cooling coefficient K of a Gaussian, T' = −ρK T^{1+λ/2}", "$K$"))
 def gaussian_cooling_coefficient(kernel: VHS, restitution: float, dim: int) -> float:
     """K of dT/dt = −K T^{1+λ/2} for a Gaussian of unit density.
 
@@ -25,6 +27,7 @@ def gaussian_cooling_coefficient(kernel: VHS, restitution: float, dim: int) -> f
     return (1.0 - restitution**2) / (8.0 * dim) * area * kernel.strength * moment
 
 
+@over_arrays(Result("cooling rate over that of a Gaussian", "$K/K_0$"), native=True)
 def cooling_correction(exponent: float, a2: float, a3: float = 0.0) -> float:
     """Cooling rate of f = Gaussian × (1 + a2 S_2 + a3 S_3) over that of the Gaussian of the same temperature.
 
@@ -38,6 +41,7 @@ def cooling_correction(exponent: float, a2: float, a3: float = 0.0) -> float:
     return 1.0 + k / 16.0 * a2 - k * (exponent - 2.0) / 192.0 * a3
 
 
+@over_arrays(Result("constant C0 of Haff's law", "$C_0$"))
 def haff_constant(
     kernel: VHS,
     restitution: float,
@@ -64,6 +68,7 @@ def haff_constant(
     return 0.5 * lam * density * K * T0 ** (lam / 2)
 
 
+@over_arrays(Result("temperature by Haff's law", "$T$"), native=True)
 def haff_temperature(
     t: np.ndarray | float, T0: float, C0: float, exponent: float = 1.0
 ) -> np.ndarray:
@@ -76,11 +81,12 @@ def haff_temperature(
     ValueError
         If λ = 0, where cooling is exponential.
     """
-    if exponent == 0.0:
+    if np.any(np.asarray(exponent) == 0.0):
         raise ValueError(MAXWELL_COOLING)
     return T0 * (1.0 + C0 * np.asarray(t, dtype=float)) ** (-2.0 / exponent)
 
 
+@over_arrays(Result("steady temperature of the heated gas", "$T$"))
 def heated_temperature(
     kernel: VHS,
     restitution: float,

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
+from granstudy.theory.broadcast import Result, over_arrays
 from granstudy.theory.checks import check_restitution, check_tensor
 from granstudy.velocity.space import check_dim
 
@@ -29,6 +30,20 @@ class MomentRates(NamedTuple):
     """d/dt of ∫|v|⁴ f"""
 
 
+@over_arrays(
+    Result("rate of ∫v_i v_j f", r"$\dot P$", ("component", "component_"), "pressure"),
+    Result(
+        "rate of ∫v_i v_j v_k f",
+        r"$\dot M_{ijk}$",
+        ("component", "component_", "component__"),
+        "third",
+    ),
+    Result("rate of ∫|v|⁴ f", r"$\dot M$", name="fourth"),
+    core={
+        "pressure": ("component", "component_"),
+        "third": ("component", "component_", "component__"),
+    },
+)
 def maxwell_moment_rates(
     density: float,
     pressure: np.ndarray,
@@ -71,6 +86,7 @@ def maxwell_moment_rates(
     return MomentRates(P_rate, M3_rate, float(M_rate))
 
 
+@over_arrays(Result("exact temperature of Maxwell molecules", "$T$"), native=True)
 def maxwell_temperature(
     t: np.ndarray | float,
     T0: float,
@@ -91,12 +107,16 @@ def maxwell_temperature(
     """
     rate = (1.0 - restitution**2) / 4.0 * density * cross_section
     t = np.asarray(t, dtype=float)
-    if rate == 0.0:
+    elastic = np.asarray(rate) == 0.0
+    if elastic.all():
         return T0 + 2.0 * diffusion * t
     # T∞ (1 − e^{−rt}) in a form that holds for r → 0, where T∞ grows without bound.
-    return T0 * np.exp(-rate * t) - 2.0 * diffusion * np.expm1(-rate * t) / rate
+    r = np.where(elastic, 1.0, rate) if elastic.ndim else rate
+    T = T0 * np.exp(-r * t) - 2.0 * diffusion * np.expm1(-r * t) / r
+    return np.where(elastic, T0 + 2.0 * diffusion * t, T) if elastic.any() else T
 
 
+@over_arrays(Result("decay rate of the traceless pressure of Maxwell molecules", "$r$"))
 def maxwell_anisotropy_rate(
     restitution: float, dim: int, density: float = 1.0, cross_section: float = 1.0
 ) -> float:
@@ -111,6 +131,10 @@ def maxwell_anisotropy_rate(
     return 2.0 * a * (1.0 - a) * density * cross_section
 
 
+@over_arrays(
+    Result("exact pressure tensor of Maxwell molecules", "$P$", ("component", "component_")),
+    core={"pressure": ("component", "component_")},
+)
 def maxwell_pressure(
     t: np.ndarray | float,
     pressure: np.ndarray,
@@ -136,6 +160,14 @@ def maxwell_pressure(
     return density * T * np.eye(len(D0)) + D0 * np.exp(-rate * t)
 
 
+@over_arrays(
+    Result(
+        "exact third moments of Maxwell molecules",
+        "$M_{ijk}$",
+        ("component", "component_", "component__"),
+    ),
+    core={"third": ("component", "component_", "component__")},
+)
 def maxwell_third_moments(
     t: np.ndarray | float,
     third: np.ndarray,
@@ -165,6 +197,10 @@ def maxwell_third_moments(
     return (M3 - vector) * np.exp(-rate * nu * t) + vector * np.exp(-vector_rate * nu * t)
 
 
+@over_arrays(
+    Result("exact kurtosis excess of Maxwell molecules", "$a_2$", ("time",)),
+    core={"t": ("time",), "pressure": ("component", "component_")},
+)
 def maxwell_a2(
     t: np.ndarray,
     pressure: np.ndarray,

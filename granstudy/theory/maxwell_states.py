@@ -20,10 +20,14 @@ import numpy as np
 import scipy
 from scipy.special import gammaln, hyp2f1, roots_jacobi
 
+from granstudy.theory.broadcast import Result, over_arrays
 from granstudy.theory.checks import check_restitution
 from granstudy.velocity.space import check_dim
 
 
+@over_arrays(
+    Result("moments μ_n/T^n of the cooling state of Maxwell molecules", r"$\mu_n/T^n$", ("order",))
+)
 def maxwell_cooling_moments(order: int, restitution: float, dim: int) -> np.ndarray:
     """μ_n/T^n, n = 0..order, of the cooling state (ε = 0); inf from the first moment on that diverges.
 
@@ -47,6 +51,9 @@ def maxwell_cooling_moments(order: int, restitution: float, dim: int) -> np.ndar
     return moments
 
 
+@over_arrays(
+    Result("moments μ_n/T^n of the heated state of Maxwell molecules", r"$\mu_n/T^n$", ("order",))
+)
 def maxwell_heated_moments(order: int, restitution: float, dim: int) -> np.ndarray:
     """μ_n/T^n, n = 0..order, of the steady state with heating, 2ε = r_1 νT. All moments are finite.
 
@@ -66,12 +73,18 @@ def maxwell_heated_moments(order: int, restitution: float, dim: int) -> np.ndarr
     return moments
 
 
+@over_arrays(
+    Result("kurtosis excess a2", "$a_2$", name="a2"),
+    Result("Sonine coefficient a3", "$a_3$", name="a3"),
+    core={"moments": ("order",)},
+)
 def sonine_coefficients(moments: np.ndarray) -> tuple[float, float]:
     """a2 and a3 from μ_n/T^n, n = 0..3 at least: a2 = μ_2 − 1, a3 = 1 + 3a2 − μ_3."""
     a2 = moments[2] - 1.0
     return float(a2), float(1.0 + 3.0 * a2 - moments[3])
 
 
+@over_arrays(Result("exponent p of the tail |v|^(−d−p) of Maxwell molecules", "$p$"))
 def maxwell_tail_exponent(restitution: float, dim: int) -> float:
     """Exponent p of the cooling state's tail f ~ |v|^{−d−p}: ⟨|v|^q⟩ is finite for q < p alone.
 

@@ -17,10 +17,12 @@ results of van Noije & Ernst. Real hard disks scatter differently from this kern
 a2.
 """
 
+from granstudy.theory.broadcast import Result, over_arrays
 from granstudy.theory.checks import check_exponent, check_restitution
 from granstudy.velocity.space import check_dim
 
 
+@over_arrays(Result("kurtosis excess of the cooling state, linear theory", "$a_2$"))
 def cooling_state_a2(restitution: float, dim: int = 3, exponent: float = 1.0) -> float:
     """Kurtosis excess of the homogeneous cooling state, by linear theory without products a2².
 
@@ -37,6 +39,7 @@ def cooling_state_a2(restitution: float, dim: int = 3, exponent: float = 1.0) ->
     return (F0 - balance) / (balance * (1 + k) - F1)
 
 
+@over_arrays(Result("kurtosis excess of the cooling state, divided by 1 + a2", "$a_2$"))
 def montanero_santos_a2(restitution: float, dim: int = 3, exponent: float = 1.0) -> float:
     """Kurtosis excess of the homogeneous cooling state, linearised after division by 1 + a2.
 
@@ -57,6 +60,7 @@ def montanero_santos_a2(restitution: float, dim: int = 3, exponent: float = 1.0)
     return (F0 - balance) / (balance * k + F0 - F1)
 
 
+@over_arrays(Result("kurtosis excess of the heated state, linear theory", "$a_2$"))
 def heated_state_a2(restitution: float, dim: int = 3, exponent: float = 1.0) -> float:
     """Kurtosis excess of the steady state heated by diffusion, by linear theory.
 
@@ -72,6 +76,7 @@ def heated_state_a2(restitution: float, dim: int = 3, exponent: float = 1.0) -> 
     return (F0 - balance) / (balance * k - F1)
 
 
+@over_arrays(Result("relaxation rate of a2 over the collision frequency", "$r$"))
 def a2_relaxation_rate(restitution: float, dim: int = 3, exponent: float = 1.0) -> float:
     """Rate at which a small a2 relaxes while the gas cools, over the collision frequency of the Gaussian.
 

@@ -16,12 +16,14 @@ power (`maxwell_tail_exponent`).
 import numpy as np
 
 from granstudy.model.kernel import VHS
+from granstudy.theory.broadcast import Result, over_arrays
 from granstudy.theory.checks import check_exponent, check_restitution
 from granstudy.theory.cooling import cooling_correction, gaussian_cooling_coefficient
 from granstudy.velocity.space import check_dim
 from granstudy.velocity.sphere import sphere_area
 
 
+@over_arrays(Result("rate A of the cooling state's tail exp(−A c^λ)", "$A$"))
 def cooling_tail_rate(
     restitution: float, dim: int = 3, exponent: float = 1.0, a2: float = 0.0
 ) -> float:
@@ -42,6 +44,7 @@ def cooling_tail_rate(
     return 2.0 / exponent * _loss_over_cooling(restitution, dim, exponent, a2)
 
 
+@over_arrays(Result("rate B of the heated state's tail exp(−B c^{1+λ/2})", "$B$"))
 def heated_tail_rate(
     restitution: float, dim: int = 3, exponent: float = 1.0, a2: float = 0.0
 ) -> float:

@@ -1,6 +1,6 @@
 """The errors of T and a2, estimated while a run goes on (docs/method.md §10)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +24,10 @@ RELAXATION = 0.5
 STEPS_COUNT = 2.0
 """Factor on the estimated errors of steps, which are right for one rate of change alone."""
 
+
+LAW_EXPONENT = 1.0
+"""What a law of restitution adds to λ where the shape changes the rate of cooling: 1 − e² is taken to grow
+like the speed at most. That of viscoelastic particles grows like its fifth root."""
 
 LARGEST = 1.0
 """Largest error that is estimated, and that counts for other errors: beyond it the gas is lost."""
@@ -118,6 +122,27 @@ class Settled(NamedTuple):
     other: float
 
 
+class Memory(NamedTuple):
+    """What an examination remembers of a run beside its outputs, all that its estimates to come depend on.
+
+    ``first`` are the moments of the first output. ``clock`` is the collisions' time now, ``balanced_at`` that
+    of the last ``balance``. ``settled`` are the errors at that time by imbalance, ``stepped`` those by steps.
+    ``passed`` are the times of balances between outputs that have passed.
+    """
+
+    first: health.Moments
+    clock: float
+    balanced_at: float
+    balance: Balance | None
+    settled: Settled
+    stepped: Change
+    passed: int
+
+
+Found = Callable[[], tuple[Change, float]]
+"""Rates of T and a2 by the discrete equation, and the rate of energy that was taken from Q."""
+
+
 class Examination:
     """Examines one run, step by step: signs of health, and estimated errors of T and a2.
 
@@ -129,8 +154,8 @@ class Examination:
     scene : Scene
         The gas in the velocities of the grid at the start.
     grid : VelocitySpace
-    outputs : int
-        Number of outputs that the run will have.
+    times : ndarray
+        Times of the outputs that the run will have.
     rates : RatesAt
         Exact rates of the scene's collisions on the grid.
 
@@ -140,17 +165,39 @@ class Examination:
         What was measured at every output, by the names of `granstudy.trust.health.SIGNS`.
     """
 
-    def __init__(self, scene: Scene, grid: VelocitySpace, outputs: int, rates: RatesAt) -> None:
+    def __init__(
+        self, scene: Scene, grid: VelocitySpace, times: np.ndarray, rates: RatesAt
+    ) -> None:
         self._scene, self._grid, self._rates = scene, grid, rates
         self._true = true_start(scene, grid)
-        self._every = max(1, (outputs - 1) // BALANCES)
-        self._last = outputs - 1
+        self._every = max(1, (len(times) - 1) // BALANCES)
+        self._last = len(times) - 1
+        self._between, self._passed = between(times), 0
         self._first: health.Moments = {}
         self._clock = self._balanced_at = 0.0
         self._balance: Balance | None = None
         self._settled = Settled(0.0, 0.0, 0.0)
         self._stepped = Change(0.0, 0.0)
         self.outputs: list[dict[str, float]] = []
+
+    @property
+    def memory(self) -> Memory:
+        """What the estimates to come depend on, beside the outputs."""
+        return Memory(
+            self._first,
+            self._clock,
+            self._balanced_at,
+            self._balance,
+            self._settled,
+            self._stepped,
+            self._passed,
+        )
+
+    def resume(self, memory: Memory, outputs: Sequence[dict[str, float]]) -> None:
+        """Go on from a memory, and from the outputs until then."""
+        self._first, self._clock, self._balanced_at, self._balance = memory[:4]
+        self._settled, self._stepped, self._passed = memory[4:]
+        self.outputs[:] = outputs
 
     def step(self, clock: float, error: Change) -> None:
         """Count the error of a step that led to a time.
@@ -179,7 +226,7 @@ class Examination:
         self,
         f: np.ndarray,
         values: health.Moments,
-        found: Callable[[], tuple[Change, float]],
+        found: Found,
         *,
         restitution: Restitution,
         heating: float,
@@ -207,10 +254,7 @@ class Examination:
             off = errors_of(start, self._true)
             self._settled = Settled(off.temperature, off.a2, 0.0)
         if number % self._every == 0 or number == self._last:
-            rates, removed = found()
-            now = imbalance(self._rates(restitution), f, rates, heating)
-            removed /= self._grid.dim / 2 * values["density"] * values["temperature"]
-            self._weigh(now, removed, float(values["density"]), restitution, heating)
+            self.balance(f, values, found, restitution=restitution, heating=heating)
         grown = self._grown(self._balance)
         output = health.state_of_health(f, values, self._first, self._grid)
         output |= {
@@ -220,6 +264,26 @@ class Examination:
         self.outputs.append(output)
         return health.warnings(output)
 
+    def is_due(self, time: float) -> bool:
+        """Whether a balance between outputs is due after a step that led to a time, an output or not."""
+        before, self._passed = self._passed, int(np.searchsorted(self._between, time, "right"))
+        return self._passed > before
+
+    def balance(
+        self,
+        f: np.ndarray,
+        values: health.Moments,
+        found: Found,
+        *,
+        restitution: Restitution,
+        heating: float,
+    ) -> None:
+        """Take the balance of a density, and settle the errors up to it; parameters as of `look`."""
+        rates, removed = found()
+        now = imbalance(self._rates(restitution), f, rates, heating)
+        removed /= self._grid.dim / 2 * values["density"] * values["temperature"]
+        self._weigh(now, removed, float(values["density"]), restitution, heating)
+
     def _weigh(
         self,
         now: Imbalance,
@@ -228,23 +292,10 @@ class Examination:
         restitution: Restitution,
         heating: float,
     ) -> None:
-        """Take the rates of a balance, and settle what errors have grown to since the balance before.
-
-        A mass other than the gas's makes all collisions faster or slower by the same factor. A Q whose energy
-        had to be changed is wrong elsewhere as well: its relative rate of energy, ``removed``, is taken as
-        that of an error of the shape.
-        """
-        exponent, dim = self._scene.kernel.exponent, self._grid.dim
+        """Take the rates of a balance, and settle what errors have grown to since the balance before."""
         mass_error = abs(density / self._true.density - 1.0)
-        balance = Balance(
-            temperature=abs(now.temperature) + mass_error * abs(now.cooling),
-            a2=abs(now.a2) + mass_error * abs(now.shaping),
-            other=abs(removed),
-            shape=abs(now.cooling) * (theory.cooling_correction(exponent, 1.0) - 1.0),
-            cooling=abs(now.cooling) * exponent / 2,
-            forgetting=heating - exponent / 2 * now.cooling,
-            relaxing=2 * heating + a2_relaxation(restitution, dim, exponent) * now.frequency,
-        )
+        exponent, dim = self._scene.kernel.exponent, self._grid.dim
+        balance = balance_of(now, removed, mass_error, restitution, dim, exponent, heating)
         self._settled = self._grown(balance)
         self._balance, self._balanced_at = balance, self._clock
 
@@ -252,19 +303,59 @@ class Examination:
         """Errors by imbalance at the present time, with rates that go evenly to those of ``now``."""
         if now is None:
             return self._settled
-        before = self._balance or now
-        elapsed = self._clock - self._balanced_at
-        start = self._settled
-        a2 = grown(start.a2, before.a2, now.a2, now.relaxing, elapsed)
-        other = grown(start.other, before.other, now.other, now.relaxing, elapsed)
-        temperature = grown(
-            start.temperature,
-            before.temperature_growth(start.a2, start.other),
-            now.temperature_growth(a2, other),
-            now.forgetting,
-            elapsed,
-        )
-        return Settled(temperature, a2, other)
+        return settled(self._settled, self._balance or now, now, self._clock - self._balanced_at)
+
+
+def balance_of(
+    now: Imbalance,
+    removed: float,
+    mass_error: float,
+    restitution: Restitution,
+    dim: int,
+    exponent: float,
+    heating: float,
+) -> Balance:
+    """Rates at which errors grow and are forgotten, from the imbalance of one density.
+
+    A mass other than the gas's makes all collisions faster or slower by the same factor. A Q whose energy had
+    to be changed is wrong elsewhere as well: its relative rate of energy, ``removed``, is taken as that of an
+    error of the shape. With a law e(v), the rate of cooling depends on the shape for Maxwell molecules, too.
+    """
+    felt = exponent + LAW_EXPONENT if callable(restitution) else exponent
+    return Balance(
+        temperature=abs(now.temperature) + mass_error * abs(now.cooling),
+        a2=abs(now.a2) + mass_error * abs(now.shaping),
+        other=abs(removed),
+        shape=abs(now.cooling) * (theory.cooling_correction(felt, 1.0) - 1.0),
+        cooling=abs(now.cooling) * felt / 2,
+        forgetting=heating - exponent / 2 * now.cooling,
+        relaxing=2 * heating + a2_relaxation(restitution, dim, exponent) * now.frequency,
+    )
+
+
+def settled(start: Settled, before: Balance, now: Balance, elapsed: float) -> Settled:
+    """Errors by imbalance after a time, with rates that go evenly from those of one balance to another's."""
+    a2 = grown(start.a2, before.a2, now.a2, now.relaxing, elapsed)
+    other = grown(start.other, before.other, now.other, now.relaxing, elapsed)
+    temperature = grown(
+        start.temperature,
+        before.temperature_growth(start.a2, start.other),
+        now.temperature_growth(a2, other),
+        now.forgetting,
+        elapsed,
+    )
+    return Settled(temperature, a2, other)
+
+
+def between(times: np.ndarray) -> np.ndarray:
+    """Times between outputs at which balances are due, in a run whose outputs are fewer than `BALANCES`.
+
+    Errors may grow exponentially: a few outputs do not tell how their growth went.
+    """
+    parts = int(np.ceil(BALANCES / max(1, len(times) - 1)))
+    inner = np.arange(1, parts) / parts
+    steps = np.multiply.outer(np.diff(times), inner)
+    return np.asarray((times[:-1, None] + steps).ravel())
 
 
 def a2_relaxation(restitution: Restitution, dim: int, exponent: float) -> float:

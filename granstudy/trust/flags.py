@@ -17,12 +17,16 @@ class Trust(IntEnum):
 
 
 class Status(IntEnum):
-    """How a run ended. MISSING stands in arrays over parameters, where there is no run."""
+    """How a run ended. MISSING stands in arrays over parameters, where there is no run.
+
+    STOPPED is a run that its user allowed too little time for the accuracy asked.
+    """
 
     MISSING = -1
     OK = 0
     FAILED = 1
     DIVERGED = 2
+    STOPPED = 3
 
 
 FLAGS: dict[str, type[IntEnum]] = {"status": Status, "trust": Trust}

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from granstudy.support.errors import LawRangeError
 from granstudy.support.variables import Variable, labelled
 from granstudy.trust.flags import Trust, flag_variable
 from granstudy.velocity.space import VelocitySpace
@@ -136,6 +137,11 @@ SIGNS = {
     ),
 }
 """What is measured, by name; docs/method.md §10 gives the errors that the limits were set against."""
+
+
+def ran_away(error: Exception) -> str:
+    """Why a run stopped at an error of `granstudy.support.errors.RAN_AWAY`."""
+    return str(error) if isinstance(error, LawRangeError) else NOT_FINITE
 
 
 def failure(values: Moments) -> str | None:

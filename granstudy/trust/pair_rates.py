@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.fft
 
-from granstudy.model.restitution import Restitution
+from granstudy.model.restitution import Restitution, restitution_at
 from granstudy.model.scene import Scene
 from granstudy.quadrature.deflection import deflections, gauss_legendre
 from granstudy.trust.lattice_sums import lattice_excess, radial_excess
@@ -77,7 +77,7 @@ def pair_weights(scene: Scene, rho: np.ndarray) -> PairWeights:
     """The weights of pairs at relative speeds ``rho``, shape (n,)."""
     if callable(scene.restitution):
         u, _ = deflections(scene.dim, 0.0)
-        e = np.asarray(scene.restitution(np.multiply.outer(rho, u)), dtype=float)
+        e = restitution_at(scene.restitution, np.multiply.outer(rho, u))
         loss2, w2, wg2, length4 = _mean_changes(scene.dim, e)
     else:
         loss2, w2, wg2, length4 = _mean_changes_at(scene.dim, float(scene.restitution))

@@ -13,6 +13,7 @@ from granstudy.velocity.space import (
     Term,
     VelocityMoments,
     check_dim,
+    check_node_memory,
     check_point_count,
     check_radius,
 )
@@ -48,6 +49,7 @@ class VelocityGrid:
         check_dim(self.dim)
         check_point_count(self.N)
         check_radius(self.R)
+        check_node_memory(self.N, int(self.N) ** self.dim)
 
     @property
     def shape(self) -> tuple[int, ...]:

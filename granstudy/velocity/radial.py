@@ -15,6 +15,7 @@ from granstudy.velocity.space import (
     VelocityMoments,
     check_dim,
     check_node_count,
+    check_node_memory,
     check_radius,
     check_shape,
 )
@@ -66,6 +67,7 @@ class RadialGrid:
         check_dim(self.dim)
         check_node_count(self.N)
         check_radius(self.R)
+        check_node_memory(self.N, int(self.N) ** 2)
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -8,10 +8,17 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from granstudy.support.checks import check_positive
+from granstudy.support.checks import check_positive, is_count
+from granstudy.support.machine import check_memory
 
 INVARIANTS = ("mass", "momentum", "energy")
 """Quantities that elastic collisions conserve, the keys of `VelocitySpace.invariants`."""
+
+MANY = 10**7
+"""Numbers up to which a grid is made without asking how much memory there is."""
+
+SMALLEST_R, LARGEST_R = 1e-40, 1e40
+"""Radii between which the seventh power, a fourth moment in 3D, is a number."""
 
 Term = tuple[Callable[[np.ndarray], np.ndarray], np.ndarray]
 """A function φ of the Laplacian's eigenvalues, and the density that φ(Δ) acts on."""
@@ -107,7 +114,7 @@ class VelocitySpace(Protocol):
 
 def check_dim(dim: int) -> None:
     """Raise ValueError unless ``dim`` is a velocity dimension."""
-    if dim not in (2, 3):
+    if not is_count(dim) or dim not in (2, 3):
         raise ValueError(f"dim={dim!r}: allowed are 2 and 3")
 
 
@@ -123,12 +130,22 @@ def check_node_count(N: int) -> None:
         raise ValueError(f"N={N!r}: must be an integer of at least 4, the number of radial nodes")
 
 
+def check_node_memory(N: int, numbers: int) -> None:
+    """Raise ValueError where memory cannot hold so many numbers, the least that a grid of N keeps."""
+    if numbers > MANY:
+        check_memory(f"N={N}", 8 * numbers, "a grid must fit; take a smaller N")
+
+
 def check_radius(R: float) -> None:
     """Raise ValueError unless ``R`` can be the truncation radius."""
     check_positive("R", R)
+    if not SMALLEST_R <= float(R) <= LARGEST_R:
+        raise ValueError(f"R={R!r}: must lie between {SMALLEST_R:g} and {LARGEST_R:g}")
 
 
 def check_shape(f: np.ndarray, grid: VelocitySpace) -> None:
-    """Raise ValueError unless ``f`` has the shape of a density on ``grid``."""
+    """Raise ValueError unless ``f`` is an array of the shape of a density on ``grid``."""
+    if not hasattr(f, "shape"):
+        raise ValueError(f"density is a {type(f).__name__}: must be an array of shape {grid.shape}")
     if np.shape(f) != grid.shape:
         raise ValueError(f"density has shape {np.shape(f)}: the grid's is {grid.shape}")

@@ -113,12 +113,16 @@ class Symmetry:
             found, subgroup = (*found, h), larger[h]
         return found
 
-    def symmetrise(self, f: np.ndarray) -> np.ndarray:
-        """(1/|G|) Σ_{h∈G} h·f, summed once for each orbit of points, so that it is exactly symmetric."""
+    def symmetrise(self, f: np.ndarray, in_place: bool = False) -> np.ndarray:
+        """(1/|G|) Σ_{h∈G} h·f, summed once for each orbit of points, so that it is exactly symmetric.
+
+        With ``in_place`` a contiguous ``f`` holds the result, too.
+        """
         if len(self) == 1:
             return f
-        result = np.empty(f.size, dtype=f.dtype)
-        _average(np.ravel(f), _orbits(self, f.shape), result)
+        points = np.ravel(f)
+        result = points if in_place else np.empty(f.size, dtype=f.dtype)
+        _average(points, *_orbits(self, f.shape), result)
         return result.reshape(f.shape)
 
     def check(self, f: np.ndarray, what: str) -> None:
@@ -133,10 +137,8 @@ class Symmetry:
         """`check` at a few points, in microseconds: all points follow where one of them fails."""
         if len(self) == 1:
             return
-        points, images = _spots(self, f.shape)
-        values = f.ravel()[points]
-        change = np.abs(f.ravel()[images] - values)
-        if change.max() > TOLERANCE * np.max(np.abs(values)):
+        change, largest = _compare(np.ravel(f), *_spots(self, f.shape))
+        if change > TOLERANCE * largest:
             self.check(f, what)
 
 
@@ -187,15 +189,14 @@ def _generated(dim: int, generators: tuple[str, ...]) -> Symmetry:
 
 
 @lru_cache(maxsize=KEPT_SHAPES)
-def _orbits(group: Symmetry, shape: tuple[int, ...]) -> np.ndarray:
-    """Flat indices of the images of one point of each orbit, shape (|G|, orbits)."""
+def _orbits(group: Symmetry, shape: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """The number of the orbit of every point, flattened, and how many points each orbit has."""
     index = np.arange(np.prod(shape), dtype=np.uint32).reshape(shape)
-    elements = sorted(group.elements, key=triplet)
     first = index
-    for h in elements:
+    for h in group.elements:
         first = np.minimum(first, apply(h, index))
-    points = np.unique(first)
-    return np.stack([apply(h, index).ravel()[points] for h in elements])
+    _, orbit, sizes = np.unique(first.ravel(), return_inverse=True, return_counts=True)
+    return orbit.astype(np.uint32), sizes
 
 
 @lru_cache(maxsize=KEPT_SHAPES)
@@ -243,14 +244,23 @@ def _broken(group: Symmetry, what: str, h: Element, change: float) -> ValueError
 
 
 @compiled()
-def _average(f, images, result):
+def _average(f, orbit_of, sizes, result):
     """result = mean of f over each orbit, at all of the orbit's points."""
-    count, orbits = images.shape
-    means = np.zeros(orbits, f.dtype)
-    for h in range(count):
-        for orbit in range(orbits):
-            means[orbit] += f[images[h, orbit]]
-    means /= count
-    for h in range(count):
-        for orbit in range(orbits):
-            result[images[h, orbit]] = means[orbit]
+    means = np.zeros(sizes.size, f.dtype)
+    for point in range(f.size):
+        means[orbit_of[point]] += f[point]
+    means /= sizes
+    for point in range(f.size):
+        result[point] = means[orbit_of[point]]
+
+
+@compiled()
+def _compare(f, points, images):
+    """Largest change of |f| from some points to their images, and largest |f| at the points."""
+    change = largest = 0.0
+    for point in range(points.size):
+        value = f[points[point]]
+        largest = max(largest, abs(value))
+        for h in range(images.shape[0]):
+            change = max(change, abs(f[images[h, point]] - value))
+    return change, largest

@@ -18,7 +18,9 @@ from granstudy.datasets.netcdf import read_dataset
 from granstudy.datasets.open_runs import open_runs
 from granstudy.datasets.unstack import unstack_runs
 from granstudy.model.identity import coordinate
+from granstudy.reading.theories import theories
 from granstudy.runs.estimates import estimate_run
+from granstudy.study.healing import healed
 from granstudy.study.jobs import seconds_of, threads_of
 from granstudy.study.layout import Layout
 from granstudy.study.state import State, check_owner, show
@@ -26,9 +28,9 @@ from granstudy.study.study import Member, Study, load_study
 from granstudy.support.errors import unknown_name
 from granstudy.support.reporter import duration
 from granstudy.trust.flags import flag_word
+from granstudy.trust.notice import warn_of_trust
 from granstudy.workbench.compute import Failure, compute
 from granstudy.workbench.tasks import RunTask
-from granstudy.workbench.theories import theories
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -135,7 +137,7 @@ class OpenStudy:
         workers: int | None = None,
         progress: bool | None = None,
     ) -> None:
-        """Compute the runs that are missing, here or on a cluster, into the store.
+        """Compute the runs that are missing or damaged, here or on a cluster, into the store.
 
         `snakemake` then finds them there. Benchmarks are left to `snakemake`, which gives them the machine.
 
@@ -149,6 +151,7 @@ class OpenStudy:
         RuntimeError
             If runs could not be computed, with the cause of each; the others were.
         """
+        self.layout.store.heal(member.key for member in self._study.members)
         self.show()  # so that the study has these runs, whatever becomes of this process
         tasks = [_task(same) for same in self._state.missing]
         store = self.layout.store
@@ -218,6 +221,7 @@ class OpenStudy:
             gathered = self._gathered(name)
             rows = [i for i, key in enumerate(gathered["run_key"].values.tolist()) if key in keys]
             runs = gathered.isel(run=rows)
+        warn_of_trust(runs)
         if stacked or references:
             return runs
         over = self._swept(name, runs)
@@ -258,7 +262,8 @@ class OpenStudy:
         beside = self._tables(model.beside_figure)
         own = self._tables([name])[name]
         runs = self._study.runs[name]
-        return draw(model, own, self.layout.run_files(name), list(beside.values()), runs)
+        with healed(self.layout, name):
+            return draw(model, own, self.layout.run_files(name), list(beside.values()), runs)
 
     def _tables(self, names: Sequence[str]) -> dict[str, xr.Dataset]:
         """Tables of experiments, each after those that stand beside it."""
@@ -275,7 +280,8 @@ class OpenStudy:
             self.show()
             files, runs = self.layout.run_files(name), self._study.runs[name]
             beside = list(self._tables(model.beside_table).values())
-            found[name] = experiment_table(model, runs, files, beside)
+            with healed(self.layout, name):
+                found[name] = experiment_table(model, runs, files, beside)
         return found
 
     def theory(self, experiment: str | None = None) -> xr.Dataset:

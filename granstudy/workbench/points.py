@@ -36,9 +36,11 @@ def listed(over: Mapping[str, Values], fixed: Mapping[str, Any]) -> dict[str, li
     ValueError
         For a parameter without values, with the same value twice, or that is fixed too.
     """
-    if not over:
-        raise ValueError("over={}: give at least one parameter and its values")
+    if not isinstance(over, Mapping) or not over:
+        raise ValueError(f"over={over!r}: give at least one parameter and its values, as a mapping")
     for name in over:
+        if not isinstance(name, str):
+            raise ValueError(f"over={{{name!r}: ...}}: a parameter must be named by a text")
         if name in fixed:
             raise ValueError(f"{name}={fixed[name]!r}: is in over too; give it once")
     return {name: _values(name, values) for name, values in over.items()}

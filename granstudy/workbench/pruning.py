@@ -1,4 +1,4 @@
-"""Runs of a store that no study and no sweep has."""
+"""Runs of a store, whole or unfinished, that no study and no sweep has."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from granstudy.workbench.roots import forget_root, roots
 
 @dataclass(frozen=True)
 class Unused:
-    """Runs that no study and no sweep has.
+    """Runs that no study and no sweep has; one that was interrupted counts by its checkpoint.
 
     Attributes
     ----------
@@ -48,8 +48,8 @@ def unused(results: str | Path, given_up: Sequence[str] = ()) -> Unused:
             raise ValueError(f"{name!r}: no such study or sweep; {there}")
     kept = {name: keys for name, keys in found.items() if name not in given_up}
     in_store = store.keys()
-    keys = sorted(in_store - set().union(*kept.values()))
-    size = sum(store.path(key).stat().st_size for key in keys)
+    keys = sorted((in_store | store.unfinished()) - set().union(*kept.values()))
+    size = sum(map(store.size, keys))
     return Unused(keys, size, {name: len(own & in_store) for name, own in kept.items()})
 
 

@@ -4,6 +4,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import xarray as xr
 
 from granstudy.datasets.collected import gather
@@ -17,8 +18,10 @@ from granstudy.runs.kinds import KINDS
 from granstudy.runs.run_key import run_keys, rung_keys
 from granstudy.runs.store import Store
 from granstudy.study.checks import check_computation
+from granstudy.support.checks import plain
 from granstudy.support.errors import unknown_name
 from granstudy.support.own_code.code import name_of
+from granstudy.trust.notice import warn_of_trust
 from granstudy.workbench.calls import call_runs, call_tasks
 from granstudy.workbench.compute import Failure, compute
 from granstudy.workbench.points import Point, Values, at_points, labels, listed, product, shown
@@ -134,11 +137,15 @@ def sweep(
         failures |= _failures(compute(tasks, store, **how))
     files = {key: store.path(key) for key in _there(keys, failures)}
     runs = open_runs(list(files.values()), densities=True) if densities else gather(files)
-    return at_points(runs, keys, labelled, failures)
+    found = at_points(runs, keys, labelled, failures)
+    warn_of_trust(found)
+    return found
 
 
 def _ladder(refine: Mapping[str, Any], others: Collection[str]) -> Refinement:
     """The ladder of ``refine``; ``others`` are words that the sweep sets beside it."""
+    if not isinstance(refine, Mapping):
+        raise ValueError(f"refine={refine!r}: give a mapping of N or R with its values")
     limits = {key: refine[key] for key in ("temperature", "a2") if key in refine}
     ladders = {key: value for key, value in refine.items() if key not in limits}
     if len(ladders) != 1:
@@ -146,7 +153,9 @@ def _ladder(refine: Mapping[str, Any], others: Collection[str]) -> Refinement:
     ((over, values),) = ladders.items()
     if over in others:
         raise ValueError(f"{over}: refine goes up its values; leave it out elsewhere")
-    return Refinement(over, tuple(values), **limits)
+    if isinstance(values, str) or not isinstance(values, Sequence | np.ndarray):
+        raise ValueError(f"refine={dict(refine)}: {over} must be a list of increasing values")
+    return Refinement(over, tuple(map(plain, values)), **limits)
 
 
 def _checked(

@@ -5,6 +5,7 @@ from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from granstudy.accuracy.asked import Accuracy
 from granstudy.evolution.times import TimeSettings
 from granstudy.model.load_scene import ONE_OF, load_scene
 from granstudy.model.own_functions import OwnDensity, OwnLaw, own_density, own_law, settled
@@ -59,6 +60,9 @@ def computation_at(
     ValueError
         For a word that nothing takes, or a value that its field does not allow.
     """
+    if isinstance(words.get("accuracy"), Mapping):
+        asked = Accuracy.of(words["accuracy"])
+        words = {**words, **asked.coordinates()}
     of_solver = {key: value for key, value in words.items() if key in SOLVER_WORDS}
     of_time = {key: value for key, value in words.items() if key in TIME_WORDS}
     of_scene = {k: v for k, v in words.items() if k not in of_solver and k not in of_time}

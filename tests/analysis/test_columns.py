@@ -79,11 +79,11 @@ def test_parameters_and_columns_are_called_by_heading_and_symbol():
         "density drift",
         "threads",
     ]
-    assert [symbol(name) for name in ("N", "variant", "a2", "density", "threads")] == [
+    assert [symbol(name) for name in ("N", "variant", "a2", "front", "threads")] == [
         "$N$",
         "variant",
         "$a_2$",
-        "density",
+        "front",
         "threads",
     ]
 

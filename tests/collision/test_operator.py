@@ -51,6 +51,7 @@ def test_densities(method):
         operator(f)
 
 
+@pytest.mark.fault("C3")
 @pytest.mark.parametrize(
     ("scene", "settings", "message"),
     [
@@ -62,8 +63,8 @@ def test_densities(method):
         ("bkw3d", {"N": 10**5, "method": "radial"}, "N=100000: takes about .* method 'radial'"),
         ("bkw3d", {"N": 4096, "method": "auto"}, "N=2410: takes about .* method 'radial'"),
         ("bkw3d", {"N": 4096, "method": "literal"}, "method 'literal'"),
-        ("bkw3d", {"N": 4096, "method": "direct", "N_rho": None}, "method 'direct'"),
-        ("bkw3d", {"N": 4096, "method": "carleman"}, "N=4096, M_sph=32: .* method 'carleman'"),
+        ("bkw3d", {"N": 4096, "method": "direct", "N_rho": None}, "N=4096: takes about 550 GB"),
+        ("bkw3d", {"N": 4096, "method": "carleman"}, "N=4096: takes about 550 GB"),
         ("bkw3d", {"N": 4096, "rtol": 1e-3}, "N=4096: takes about .* method 'fast'"),
     ],
 )

@@ -45,6 +45,7 @@ def densities(scene, operator, count=6):
     return [f * (1.0 + 0.3 * i) + 0.01 * i * f**2 for i in range(count)]
 
 
+@pytest.mark.fault("A1")
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("name", SOLVERS)
 def test_threads_get_the_numbers_that_they_get_alone(name, threads):
@@ -57,6 +58,7 @@ def test_threads_get_the_numbers_that_they_get_alone(name, threads):
         np.testing.assert_array_equal(q, expected)
 
 
+@pytest.mark.fault("A1")
 @pytest.mark.parametrize("name", SOLVERS)
 def test_dask_on_threads(name):
     scene, Q = made(name)
@@ -67,6 +69,7 @@ def test_dask_on_threads(name):
         np.testing.assert_array_equal(q, Q(f))
 
 
+@pytest.mark.fault("A1")
 def test_spectra_and_parts_of_an_evaluation_on_threads():
     scene, literal = made("literal")
     f_hat = np.fft.fftn(scene.density(literal.grid))
@@ -111,6 +114,7 @@ def test_operators_made_on_several_threads():
             np.testing.assert_array_equal(q, expected)
 
 
+@pytest.mark.fault("B10")
 @pytest.mark.parametrize("name", SOLVERS)
 def test_pickled(name):
     scene, Q = made(name)
@@ -185,6 +189,7 @@ PROCESSES = """
 """
 
 
+@pytest.mark.fault("B10")
 @pytest.mark.parametrize("start", ["fork", "spawn"])
 def test_processes(tmp_path, start):
     if start not in multiprocessing.get_all_start_methods():
@@ -194,6 +199,7 @@ def test_processes(tmp_path, start):
     subprocess.run([sys.executable, str(script), start], check=True, timeout=GIVEN_UP)
 
 
+@pytest.mark.fault("B10")
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="the platform cannot fork")
 def test_a_fork_waits_for_plans_and_finds_locks_free(tmp_path):
     lock = OneAtATime()

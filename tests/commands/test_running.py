@@ -1,6 +1,7 @@
 """`granstudy run`, `status`, `open`."""
 
 import os
+import shlex
 import socket
 import subprocess
 import sys
@@ -58,9 +59,12 @@ def test_run_prints_the_command_of_snakemake_and_starts_it(type_, started, typed
     assert status == 3, "the status is that of snakemake, which ^C reaches too"
 
 
-def test_run_needs_the_folder_with_the_workflow(type_, started):
+def test_run_takes_the_workflow_of_the_package_where_the_folder_has_none(type_, started):
     status, output = type_("run mine.yaml")
-    assert status == 1 and "has no Snakefile" in output and not started
+    (command,) = started
+    assert command[3] == "--snakefile" and Path(command[4]).is_file()
+    assert command[5:] == ["--cores", "2", "--config", "study=mine.yaml", "results=results"]
+    assert shlex.split(output) == command[2:] and status == 3
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""`granstudy new`, `check`, `plan`, `cite`."""
+"""`granstudy new`, `init`, `check`, `plan`, `cite`."""
 
 import re
 from pathlib import Path
@@ -7,6 +7,8 @@ import pytest
 
 import granstudy as gs
 from granstudy.commands.starting import TEMPLATES
+
+REPOSITORY = Path(__file__).parents[2]
 
 
 @pytest.mark.parametrize("template", TEMPLATES)
@@ -26,6 +28,36 @@ def test_nothing_is_written_over(type_):
     status, output = type_("new other.yaml --template own_gas")
     assert status == 1 and "my_gas.py: is there already" in output
     assert not Path("other.yaml").exists() and Path("my_gas.py").read_text() == "mine"
+
+
+def test_a_folder_is_made_for_snakemake(type_):
+    status, output = type_("init")
+    assert status == 0 and "wrote Snakefile" in output and "then snakemake --cores 2" in output
+    assert {str(path) for path in Path().rglob("*") if path.is_file()} == {
+        "Snakefile",
+        "mine.yaml",
+        "profiles/default/config.yaml",
+        "profiles/slurm/config.yaml",
+    }
+    before = Path("Snakefile").read_text()
+    assert 'setdefault("study", "my_study.yaml")' in before
+    status, output = type_("init --study other.yaml")
+    assert status == 1 and "Snakefile: is there already" in output
+    assert Path("Snakefile").read_text() == before
+    status, output = type_("init inside --study other.yaml")
+    assert status == 0 and "next: in inside: granstudy new other.yaml" in output
+    assert 'setdefault("study", "other.yaml")' in Path("inside/Snakefile").read_text()
+
+
+def test_a_clone_is_such_a_folder(here, type_):
+    assert type_("init --study studies/paper.yaml")[0] == 0
+    for name in ("profiles/default/config.yaml", "profiles/slurm/config.yaml"):
+        assert Path(name).read_text() == (REPOSITORY / name).read_text(), name
+
+    def code(path):
+        return [line for line in path.read_text().splitlines() if not line.startswith("#")]
+
+    assert code(Path("Snakefile")) == code(REPOSITORY / "Snakefile")
 
 
 def test_an_unknown_template_is_told(type_):
@@ -86,6 +118,18 @@ def test_what_to_cite_is_bibtex(type_):
 def test_help_names_every_command(type_):
     status, output = type_("-h")
     assert status == 0
-    for name in ("new", "check", "plan", "run", "status", "open", "prune", "verify", "cite"):
+    for name in (
+        "new",
+        "init",
+        "check",
+        "plan",
+        "run",
+        "status",
+        "open",
+        "prune",
+        "verify",
+        "tune",
+        "cite",
+    ):
         assert re.search(rf"^  {name} ", output, re.MULTILINE), name
         assert type_(f"{name} --help")[0] == 0

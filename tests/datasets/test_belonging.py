@@ -34,6 +34,7 @@ def keys(where):
     return sorted(gs.open_runs(where)["run_key"].values.tolist())
 
 
+@pytest.mark.fault("A4")
 def test_files_that_the_study_does_not_have_are_left_out_with_one_warning(runs):
     with pytest.warns(UserWarning) as caught:
         assert keys(runs) == ["h2", "k2"]

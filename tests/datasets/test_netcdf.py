@@ -10,6 +10,7 @@ import xarray as xr
 
 import granstudy as gs
 from granstudy.datasets.netcdf import read_head
+from granstudy.datasets.storage import earlier
 from granstudy.datasets.storage.checksum import sealed
 from granstudy.datasets.storage.classic import pack, unpack
 from granstudy.datasets.storage.earlier import payload_checksum
@@ -28,6 +29,8 @@ gs.write_dataset(ds, sys.argv[1], duration=float(sys.argv[2]))
 
 FLIPS = 400
 """Bits that are flipped, one at a time."""
+
+PYTHON = sys.executable
 
 TWICE = """
 import sys
@@ -149,6 +152,7 @@ def test_what_files_do_not_hold_is_refused(ds, match, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.fault("B6")
 def test_a_flipped_bit_is_seen_or_harmless(run, tmp_path):
     path = tmp_path / "run.nc"
     gs.write_dataset(run, path)
@@ -237,11 +241,12 @@ def test_files_of_earlier_granstudies(run, tmp_path):
         gs.read_dataset(path)
 
 
+@pytest.mark.fault("B6")
 def test_damaged_files_of_earlier_granstudies_raise_one_exception(run, tmp_path):
     write_earlier(run, tmp_path / "run.nc")
     data = (tmp_path / "run.nc").read_bytes()
     rng, damaged = np.random.default_rng(2), 0
-    for number, bit in enumerate(rng.integers(8 * len(data), size=40)):
+    for number, bit in enumerate(rng.integers(8 * len(data), size=12)):
         flipped = bytearray(data)
         flipped[bit // 8] ^= 1 << (bit % 8)
         # HDF5 may keep a file open in which it found damage.
@@ -254,6 +259,29 @@ def test_damaged_files_of_earlier_granstudies_raise_one_exception(run, tmp_path)
     assert damaged
 
 
+@pytest.mark.fault("B6")
+@pytest.mark.parametrize(
+    ("does", "message"),
+    [
+        ("import time; time.sleep(600)", "does not end reading it within 1 s"),
+        ("import os; os.abort()", "ends with status -6 while reading it"),
+    ],
+)
+def test_a_library_that_hangs_or_crashes_on_an_earlier_file_is_bounded(
+    run, tmp_path, monkeypatch, does, message
+):
+    write_earlier(run, tmp_path / "run.nc")
+    monkeypatch.setattr(earlier, "SECONDS", 1.0)
+    monkeypatch.setattr(earlier, "_read", lambda path: pytest.fail("read in this process"))
+    monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
+    script = tmp_path / "python"
+    script.write_text(f"#!{PYTHON}\n{does}\n")
+    script.chmod(0o755)
+    with pytest.raises(DamagedFileError, match=message):
+        gs.read_dataset(tmp_path / "run.nc")
+
+
+@pytest.mark.fault("B11")
 def test_a_file_is_opened_twice_while_an_earlier_handle_lives(run, tmp_path):
     gs.write_dataset(run, tmp_path / "run.nc")
     command = [sys.executable, "-c", TWICE, str(tmp_path / "run.nc")]

@@ -116,6 +116,7 @@ def test_runs_of_different_steps_have_times_of_their_own(tmp_path):
     assert gs.unstack_runs(runs, ["dt"])["temperature"].dims == ("dt", "output")
 
 
+@pytest.mark.fault("C5")
 def test_mixed_runs_open_together(tmp_path):
     law = gs.Viscoelastic(0.1)
     write_run(tmp_path, "a", e=0.5)
@@ -156,6 +157,7 @@ def test_mixed_runs_open_together(tmp_path):
     assert np.isnan(final["density_drift"][3]) and np.isfinite(final["density_drift"][:3]).all()
 
 
+@pytest.mark.fault("C5")
 def test_gases_of_two_and_three_dimensions_open_together(tmp_path):
     solver = gs.Solver(N=8, R=7.0, method="radial", threads=1)
     for d in (2, 3):

@@ -6,10 +6,11 @@ from comparison import assert_order
 
 import granstudy as gs
 from granstudy import theory
-from granstudy.analysis.tables.fits import fit_haff, fit_order
+from granstudy.analysis.tables.fits import fit_order
 from granstudy.evolution.frames.fixed import FixedFrame
 from granstudy.evolution.schemes import rk3_step
 from granstudy.evolution.unknowns import collisions, representation
+from granstudy.reading.cooling import fit_haff
 
 
 def small(**overrides):
@@ -148,10 +149,11 @@ def test_hard_spheres_cool_by_haffs_law():
     )
     solver = gs.Solver(N=20, R=8.0, N_rho=12, M_sph=12)
     ds = gs.simulate(scene, solver, t_final=2.0, dt=0.1, progress=False)
-    C0 = fit_haff(ds["time"].values, ds["temperature"].values)[0]
+    C0 = fit_haff(ds["time"].values, ds["temperature"].values).C0
     assert C0 == pytest.approx(0.1906, rel=0.03)
 
 
+@pytest.mark.fault("B2")
 @pytest.mark.parametrize("frame", ["fixed", "rescaled"])
 @pytest.mark.parametrize("scheme", ["rk3", "dopri54", "exponential"])
 @pytest.mark.parametrize("conserve", [(), ("mass", "energy")])
@@ -178,6 +180,7 @@ def test_a_run_that_blows_up_ends_with_a_dataset(frame, scheme, conserve, dt):
     assert np.all(np.isfinite(ds["temperature"])) and int(ds["trust"]) == 0
 
 
+@pytest.mark.fault("B2")
 def test_a_run_that_blows_up_late_keeps_what_came_before():
     kernel = gs.hard_spheres(2)
     scene = gs.load_scene("bkw2d", kernel=kernel, restitution=0.5, diffusion=0.0)
@@ -187,6 +190,7 @@ def test_a_run_that_blows_up_late_keeps_what_came_before():
     assert "t = 11.5" in ds["status"].attrs["reason"]
 
 
+@pytest.mark.fault("B3")
 @pytest.mark.parametrize("frame", ["fixed", "rescaled"])
 def test_a_density_without_temperature_ends_with_its_moments(frame):
     def negative(*v):
@@ -200,6 +204,7 @@ def test_a_density_without_temperature_ends_with_its_moments(frame):
     assert "t = 0: the temperature fell to -9" in ds["status"].attrs["reason"]
 
 
+@pytest.mark.fault("B4")
 def test_round_off_that_grows_within_a_step_does_not_break_the_symmetry():
     """The run died of 'density does not have the symmetry, 1.1e-10 for 1e-10'."""
     kernel = gs.VHS(0.5, gs.hard_spheres(2).strength)

@@ -93,6 +93,7 @@ def test_the_plan_of_a_study(load, tmp_path):
     ]  # fmt: skip
 
 
+@pytest.mark.fault("L6")
 @pytest.mark.parametrize(
     ("dim", "exponent", "strength", "e", "epsilon", "time"),
     [

@@ -84,3 +84,19 @@ def test_describe_is_plain_data():
         "symmetry": "full",
     }
     assert gs.load_scene("bkw2d", restitution=1).describe()["restitution"] == 1.0
+
+
+@pytest.mark.fault("C8")
+@pytest.mark.parametrize("grid", [gs.VelocityGrid(2, 8, 6.0), gs.RadialGrid(2, 8, 6.0)])
+def test_a_density_that_works_in_place_leaves_the_grid_as_it_is(grid):
+    def in_place(vx, vy):
+        vx **= 2
+        vy **= 2
+        vx *= -0.5
+        return np.exp(vx - vy / 2)
+
+    nodes = np.array(grid.nodes)
+    scene = gs.Scene(2, in_place, gs.maxwell(2))
+    first, again = scene.density(grid), scene.density(grid)
+    np.testing.assert_array_equal(grid.nodes, nodes)
+    np.testing.assert_array_equal(first, again)

@@ -26,6 +26,7 @@ def test_grid():
     assert gs.Solver(N=8, R=5.0).grid(3) == gs.VelocityGrid(3, 8, 5.0)
 
 
+@pytest.mark.fault("B1")
 def test_numbers_of_numpy_become_numbers_of_python():
     given = gs.Solver(
         N=np.int64(16), R=np.float32(7), N_rho=np.int16(8), M_sph=(np.int64(6), np.int64(8)),
@@ -85,6 +86,7 @@ def test_methods_name_fields_of_the_solver():
         assert method.takes | method.unused <= fields, name
 
 
+@pytest.mark.fault("A5")
 def test_a_file_of_directions_is_described_by_its_content(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     path = Path("nodes.txt")

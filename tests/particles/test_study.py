@@ -1,5 +1,6 @@
 """Particles in a study: runs beside other methods, their cost, what a study refuses."""
 
+import numpy as np
 import pytest
 
 import granstudy as gs
@@ -106,3 +107,27 @@ def test_only_evolution_runs(load):
     lines = [line for line in text.splitlines() if "time:" not in line]
     with pytest.raises(ValueError, match="method='dsmc': has no collision operator for benchmark"):
         load(text="\n".join(lines))
+
+
+def dense(vx, vy, rho=1e20):
+    return rho * np.exp(-(vx**2 + vy**2) / 2) / (2 * np.pi)
+
+
+@pytest.mark.fault("C9")
+def test_a_gas_so_dense_that_a_run_does_not_end_is_refused_and_planned():
+    scene = gs.Scene(2, dense, gs.maxwell(2), 0.5)
+    solver = gs.Solver(N=16, R=7.0, method="dsmc", particles=1000, threads=1)
+    plan = gs.plan(scene, solver, t_final=1.0, dt=0.1)
+    assert plan.collisions > 1e20
+    with pytest.raises(ValueError, match=r"particles=1000: the run would take .* collisions"):
+        gs.simulate(scene, solver, t_final=1.0, dt=0.1)
+    steps = [
+        gs.plan(
+            gs.load_scene(dense, rho=rho, restitution=0.5),
+            gs.Solver(N=16, R=7.0, method="radial"),
+            t_final=1.0,
+            time_rtol=1e-4,
+        ).evaluations
+        for rho in (1.0, 1e3)
+    ]
+    assert steps[1] > 10 * steps[0]  # outputs cost steps too

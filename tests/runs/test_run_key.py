@@ -197,6 +197,7 @@ def test_runs_with_a_tolerance_depend_on_how_their_quadrature_is_chosen(package)
     assert changed(before) == {(kind, "fast") for kind in KINDS}
 
 
+@pytest.mark.fault("A5")
 def test_a_run_follows_the_content_of_a_file_of_directions(tmp_path):
     path = tmp_path / "nodes.txt"
     keys = []

@@ -55,6 +55,7 @@ def test_a_run_is_computed_once_and_then_found(store, computed):
     assert store.read(key).attrs["run_key"] == key
 
 
+@pytest.mark.fault("C6")
 def test_what_is_equal_has_one_key_however_it_is_written():
     scene = gs.load_scene("maxwellian2d", restitution=0.5, diffusion=0.0)
     solver = gs.Solver(N=12, R=7.0, method="radial")
@@ -69,6 +70,7 @@ def test_what_is_equal_has_one_key_however_it_is_written():
     }
 
 
+@pytest.mark.fault("A6")
 def test_a_damaged_run_and_another_runs_file_are_computed_anew(store, computed):
     one, other = cooling(0.5), cooling(0.7)
     keys = [run_key(one), run_key(other)]

@@ -8,7 +8,7 @@ from granstudy.study.layout import NOTEBOOKS, Layout
 from granstudy.study.study import load_study
 
 REPOSITORY = Path(__file__).parents[2]
-CONFIG = REPOSITORY / "workflow/config"
+CONFIG = REPOSITORY / "studies"
 
 STUDY = """
 title: test
@@ -67,7 +67,9 @@ def test_the_study_asks_for_its_tables_figures_and_map(layout):
     ]
     figures = [f"made/test/figures/cooling.{form}" for form in ("png", "svg")]
     made_of_all = ["made/test/tables/map.nc", "made/test/figures/map.png"]
-    assert layout.wanted == [*layout.datasets, *tables, *figures, *made_of_all]
+    assert layout.reported == [*layout.datasets, *tables, *figures, *made_of_all]
+    assert layout.wanted == [*layout.reported, "made/test/index.html"]
+    assert layout.tabled == ["map", "law", "cooling"]
     assert layout.map_tables == ["made/test/tables/law.nc"]
 
 
@@ -95,7 +97,7 @@ def test_the_notebooks_of_shipped_studies_are_there_and_open_runs_of_theirs():
     for name, notebooks in NOTEBOOKS.items():
         layout = Layout(load_study(CONFIG / f"{name}.yaml"))
         for notebook, experiments in notebooks.items():
-            assert (REPOSITORY / f"workflow/notebooks/{notebook}.ipynb").is_file()
+            assert (REPOSITORY / f"notebooks/{notebook}.ipynb").is_file()
             files = [layout.dataset(other) for other in experiments]
             assert layout.notebook_files(notebook) == files
         assert layout.notebooks == [f"results/{name}/notebooks/{n}.ipynb" for n in notebooks]

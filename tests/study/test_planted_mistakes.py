@@ -21,6 +21,7 @@ def test_the_study_without_mistakes(check):
     check()
 
 
+@pytest.mark.fault("C1", "C2")
 @pytest.mark.parametrize(("old", "new", "message"), [*NAMES, *VALUES, *REQUESTS])
 def test_a_mistake(check, recwarn, old, new, message):
     with pytest.raises(ValueError, match=message) as error:

@@ -1,13 +1,10 @@
 """Random mistakes: a study file is planned whole, or refused in lines of ours, whatever stands in it."""
 
 import os
-import resource
-import signal
 import warnings
-from contextlib import contextmanager
-from pathlib import Path
 
 import pytest
+from bounded import bounded
 from study_mutations import OWN_CODE, mutated
 
 from granstudy.analysis.requests import check_requests
@@ -22,32 +19,6 @@ FIRST = int(os.environ.get("GRANSTUDY_RANDOM_STUDIES_FROM", "0"))
 
 PARTS = 10
 """Tests that the studies are shared out to."""
-
-HANGS = 300
-"""Seconds after which a study counts as one that never ends."""
-
-ROOM = 2**30
-"""Bytes that the process may grow by."""
-
-
-@contextmanager
-def bounded():
-    """Raise where the process grows by more than `ROOM`, or takes longer than `HANGS`."""
-
-    def stop(number, frame):
-        raise TimeoutError(f"more than {HANGS} seconds")
-
-    limits = resource.getrlimit(resource.RLIMIT_AS)
-    pages = int(Path("/proc/self/statm").read_text().split()[0])
-    resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + ROOM, limits[1]))
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.alarm(HANGS)
-    try:
-        yield
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
-        resource.setrlimit(resource.RLIMIT_AS, limits)
 
 
 def verdict(text, folder):
@@ -67,6 +38,7 @@ def verdict(text, folder):
     return ""
 
 
+@pytest.mark.fault("C2")
 @pytest.mark.parametrize("part", range(PARTS))
 def test_a_random_study_is_planned_or_refused(part, tmp_path):
     (tmp_path / "my_gas.py").write_text(OWN_CODE)

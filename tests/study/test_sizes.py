@@ -37,6 +37,7 @@ def test_a_stated_memory_is_a_positive_number(said, monkeypatch):
         sizes.machine_memory_mb()
 
 
+@pytest.mark.fault("C3")
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [

@@ -72,6 +72,7 @@ def test_two_names_of_one_run_are_one_run():
     assert State(study).seconds > 0.0
 
 
+@pytest.mark.fault("A4")
 def test_names_are_links_to_the_store_and_follow_the_study():
     study = layout()
     compute(study)
@@ -128,6 +129,21 @@ def test_an_experiment_is_complete_while_all_its_runs_are_there():
     assert not Path(study.complete("cooling")).exists()
 
 
+@pytest.mark.fault("B8")
+def test_each_time_that_runs_go_missing_is_another_reason_to_compute():
+    study = layout()
+    since, found = Path(study.since("cooling")), []
+    for _ in range(2):
+        prepare(study, "test.yaml", cores=1)
+        found.append(since.read_text())
+        prepare(study, "test.yaml", cores=1)  # as a dry run does
+        assert since.read_text() == found[-1]
+        compute(study)
+        prepare(study, "test.yaml", cores=1)
+        study.store.remove(study.study.members[0].key)
+    assert found[0] != found[1]
+
+
 def test_jobs_are_written_and_forgotten_when_their_runs_are_there():
     study = layout()
     (job,) = prepare(study, "test.yaml", cores=1)
@@ -145,12 +161,14 @@ def test_jobs_are_written_and_forgotten_when_their_runs_are_there():
     assert overview["done"] == 2 and sum(overview["labels"].values()) == 2
 
 
+@pytest.mark.fault("B8")
 def test_a_receipt_whose_runs_are_gone_is_no_reason_to_leave_the_job_out():
     study = layout()
     (job,) = prepare(study, "test.yaml", cores=1)
     Path(study.receipt(job.id)).write_text("{}")
     (again,) = prepare(study, "test.yaml", cores=1)
     assert again == job and Path(study.job_file(job.id)).is_file()
+    assert not Path(study.receipt(job.id)).exists()  # else Snakemake would take the job for done
 
 
 def test_labels_are_counted_once_a_run_and_made_anew_where_they_are_lost():

@@ -74,6 +74,7 @@ def test_runs_that_are_there_are_found_and_not_computed(layout, monkeypatch):
     assert progress.done == sum(progress.labels.values()) == 10
 
 
+@pytest.mark.fault("B5")
 def test_a_run_that_the_machine_fails_keeps_no_other_from_its_result(layout, monkeypatch):
     compute = execute.execute
 
@@ -92,6 +93,7 @@ def test_a_run_that_the_machine_fails_keeps_no_other_from_its_result(layout, mon
     assert progress.state == "failed" and progress.labels["failed"] == 1
 
 
+@pytest.mark.fault("B2")
 def test_a_run_that_fails_by_its_own_parameters_is_a_result(layout, monkeypatch):
     def fail(computation, *more):
         raise ZeroDivisionError("by zero")
@@ -102,6 +104,7 @@ def test_a_run_that_fails_by_its_own_parameters_is_a_result(layout, monkeypatch)
     assert set(json.loads(Path(layout.receipt(job.id)).read_text()).values()) == {"failed"}
 
 
+@pytest.mark.fault("B9")
 def test_an_interrupted_job_keeps_what_it_did(layout, monkeypatch, capsys):
     compute, made = execute.execute, []
 

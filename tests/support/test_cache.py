@@ -61,6 +61,7 @@ def test_a_changed_byte_is_noticed(folder, place):
     np.testing.assert_array_equal(cached_array("a", never), ARRAY)
 
 
+@pytest.mark.fault("A12")
 @pytest.mark.parametrize("other", [2 * ARRAY, ARRAY[:6, :5]], ids=["equal shape", "smaller"])
 def test_the_file_of_another_array_is_refused(folder, other):
     cached_array("b", lambda: other)
@@ -120,6 +121,7 @@ def test_processes_that_compute_the_same_tensor(folder):
     assert len(files(folder)) == 1
 
 
+@pytest.mark.fault("B12")
 def test_a_folder_that_cannot_be_written_to_is_said(monkeypatch, tmp_path):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("GRANSTUDY_CACHE", str(tmp_path / "file" / "cache"))
@@ -127,6 +129,7 @@ def test_a_folder_that_cannot_be_written_to_is_said(monkeypatch, tmp_path):
         assert cached_array("a", lambda: ARRAY) is ARRAY
 
 
+@pytest.mark.fault("B12")
 def test_a_user_without_a_home_is_told(monkeypatch, tmp_path):
     for name in ("GRANSTUDY_CACHE", "XDG_CACHE_HOME"):
         monkeypatch.delenv(name, raising=False)

@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
 
 import pytest
@@ -68,6 +69,7 @@ def test_a_second_process_loads_what_the_first_compiled(sources):
     assert [run(ASK.format("1.0"), sources) for _ in range(2)] == ["6.0", "6.0 1"]
 
 
+@pytest.mark.fault("A7")
 @pytest.mark.parametrize(
     ("file", "old", "new", "answer"),
     [
@@ -130,6 +132,7 @@ def unwritable(folder):
     return {"HOME": str(folder / "helper.py"), "PYTHONDONTWRITEBYTECODE": "1"}
 
 
+@pytest.mark.fault("B12")
 def test_without_a_folder_there_is_one_warning_and_the_same_number(sources, monkeypatch):
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     said = run(ASK.format("1.0"), sources, **unwritable(sources))
@@ -171,6 +174,7 @@ def test_compiled_functions_called_by_others_are_inlined():
     assert [one for one in called if not one.targetoptions.get("forceinline")] == []
 
 
+@pytest.mark.fault("A7")
 @pytest.mark.slow
 def test_an_edit_of_the_transforms_alone_reaches_the_operators(tmp_path):
     ignored = shutil.ignore_patterns("__pycache__")
@@ -217,3 +221,41 @@ print(sorted(bits.items()))
     # Half of the code is loaded, the other half compiled.
     bits("b", ["double"])
     assert bits("b", ["single", "double"]) == compiled
+
+
+FORK = """
+    import os, threading, time
+    from numba.core.compiler_lock import global_compiler_lock
+    from granstudy.support.compiled import compiled
+
+    @compiled()
+    def twice(x):
+        return 2 * x
+
+    held, forking = threading.Event(), threading.Event()
+
+    def compile_for_a_while():
+        with global_compiler_lock:
+            held.set()
+            forking.wait()
+            time.sleep(0.5)
+
+    threading.Thread(target=compile_for_a_while).start()
+    held.wait()
+    forking.set()
+    child = os.fork()
+    if child == 0:
+        os._exit(0 if twice(1) == 2 else 1)
+    print(os.waitpid(child, 0)[1], twice(2))
+"""
+
+
+@pytest.mark.fault("B10")
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="the platform cannot fork")
+def test_a_process_forked_while_another_thread_compiles_can_compile(tmp_path):
+    script = tmp_path / "forking.py"
+    script.write_text(textwrap.dedent(FORK))
+    done = subprocess.run(
+        [sys.executable, str(script)], capture_output=True, text=True, check=False, timeout=120
+    )
+    assert done.stdout.split() == ["0", "4"], done.stderr

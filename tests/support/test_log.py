@@ -43,3 +43,14 @@ def test_sigterm_ends_it_through_the_stack_and_without_a_traceback(tmp_path):
     assert process.communicate(timeout=60)[0] == ""
     assert process.returncode == 128 + signal.SIGTERM
     assert log.read_text().splitlines() == ["said", "by another", "begun", "swept"]
+
+
+def test_what_granstudy_logs_is_in_the_log_and_of_others_warnings_alone(tmp_path):
+    work = (
+        "import logging; [logging.getLogger(name).log(level, f'{name} {level}') "
+        "for name in ('granstudy.runs.a', 'other') for level in (10, 20, 30)]"
+    )
+    assert start(tmp_path / "a.log", work).wait() == 0
+    lines = [line.partition(" ")[2] for line in (tmp_path / "a.log").read_text().splitlines()]
+    said = ["granstudy.runs.a 20", "granstudy.runs.a 30", "other 30"]
+    assert [line for line in lines if line in said or "10" in line or "20" in line] == said

@@ -8,6 +8,7 @@ from granstudy.support import machine
 from granstudy.support.machine import check_memory, cores, memory
 
 
+@pytest.mark.fault("B12")
 def test_cores_where_the_platform_does_not_say_which(monkeypatch):
     assert 1 <= cores() <= os.cpu_count()
     monkeypatch.delattr(os, "sched_getaffinity", raising=False)

@@ -100,7 +100,7 @@ def test_a_bar_shows_in_a_terminal_by_default(monkeypatch, capsys, terminal, sho
 
 def test_a_bar_shows_in_a_notebook_without_a_warning():
     code = """import granstudy as gs
-gs.simulate(gs.load_scene("maxwellian3d"), gs.Solver(N=8, R=8.0, method="radial"), t_final=0.2, dt=0.1);"""
+gs.simulate(gs.load_scene("maxwellian3d"), gs.Solver(N=24, R=8.0, method="radial"), t_final=0.2, dt=0.1);"""
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(code)])
     nbclient.NotebookClient(notebook, kernel_name="python3").execute()
     shown = "".join(str(output) for output in notebook.cells[0].outputs)

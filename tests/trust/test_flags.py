@@ -11,7 +11,7 @@ def test_a_flag_says_all_its_numbers_and_words():
     flag = ds["status"]
     assert flag.dtype == np.int8 and flag_word("status", flag) == "diverged"
     assert flag.attrs["flag_values"].tolist() == [status.value for status in Status]
-    assert flag.attrs["flag_meanings"] == "missing ok failed diverged"
+    assert flag.attrs["flag_meanings"] == "missing ok failed diverged stopped"
     assert flag.attrs["reason"] == "too hot"
 
 

@@ -54,6 +54,7 @@ def test_the_excess_of_a_kink_begins_with_epsteins_zeta_function(dim, s, value):
     assert all(not np.any(excess) for excess in lattice_excess(dim, 8, [0.0, 2.0, 4.0]))
 
 
+@pytest.mark.fault("L2")
 def test_energy_conserved_by_exact_rates_makes_a_resolved_run_better():
     """Rates without the excess of the kink made T 40 to 240 times worse (2D, λ = 0.5)."""
     kernel = gs.VHS(0.5, gs.hard_spheres(2).strength)

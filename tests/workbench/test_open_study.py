@@ -153,6 +153,7 @@ def test_of_a_benchmark_is_what_snakemake_made(here):
     assert "speed" not in study.runs.index.get_level_values("experiment")
 
 
+@pytest.mark.fault("A4")
 def test_what_the_study_no_longer_has_is_in_nothing(here, computed):
     study = opened()
     study.compute(workers=1, progress=False)
@@ -268,6 +269,7 @@ def test_theory_stands_over_the_same_parameters(here):
         study.theory("collision")
 
 
+@pytest.mark.fault("A4")
 def test_two_studies_of_one_name_are_kept_apart(here):
     opened().compute(workers=1, progress=False)
     (here / "sub").mkdir()

@@ -33,6 +33,7 @@ def ends_at_once(terminal, tiny):
     return said
 
 
+@pytest.mark.fault("B7")
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", INTERRUPTS)
 def test_amid_a_job(tiny, kind):
@@ -92,6 +93,7 @@ def test_a_terminated_workflow_finishes_its_jobs(tiny):
     goes_on(tiny, tiny.computed)
 
 
+@pytest.mark.fault("B7")
 @pytest.mark.slow
 def test_a_killed_workflow_needs_no_unlocking(tiny):
     terminal = Terminal(tiny, seconds=0.1, table=600)
@@ -113,6 +115,7 @@ def test_a_living_workflow_keeps_its_lock(tiny):
 
 
 @pytest.mark.slow
+@pytest.mark.fault("B13")
 def test_one_bad_table_stops_no_other_and_says_why(tiny):
     status, output = tiny.run(bad=1)
     assert status != 0 and tiny.table == "whole"

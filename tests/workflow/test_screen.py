@@ -129,6 +129,21 @@ def test_a_session_from_its_beginning_to_its_end(study):
     ]
 
 
+def test_the_last_line_names_the_page_that_shows_the_study(study, monkeypatch):
+    page = study / "index.html"
+    (study / "overview.json").write_text(json.dumps(asdict(replace(OVERVIEW, page=str(page)))))
+    session = Session()
+    session.take(record(LogEvent.RUN_INFO, "Job stats: ..."))
+    assert not any("index.html" in line for line in session.end()), "there is none yet"
+    page.touch()
+    assert session.end()[-1] == f"  read    {page}"
+    stop = threading.Event()
+    stop.set()
+    monkeypatch.setattr(interrupt, "_stopped", stop)
+    monkeypatch.setattr(interrupt, "_said", threading.Event())
+    assert not any("index.html" in line for line in session.end()), "it may be an older one"
+
+
 def test_a_job_that_succeeds_when_it_is_tried_again_has_not_failed(study):
     session = Session()
     session.take(record(LogEvent.RUN_INFO, "Job stats: ..."))

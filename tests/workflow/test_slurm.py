@@ -60,7 +60,7 @@ def cluster():
 @pytest.fixture
 def project(tmp_path):
     """A copy of what a clone holds, with the tests' studies."""
-    for name in ("granstudy", "snakemake_logger_plugin_granstudy", "workflow", "profiles"):
+    for name in ("granstudy", "snakemake_logger_plugin_granstudy", "profiles"):
         shutil.copytree(
             REPOSITORY / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__")
         )

@@ -32,14 +32,14 @@ experiments:
 """
 
 
-EVERYTHING = {"all", "run", "complete_convergence", "dataset", "table", "figure"}
+EVERYTHING = {"all", "run", "complete_convergence", "dataset", "table", "figure", "page"}
 """Rules that run for a study from nothing; the name of a job of runs ends in a hash over them."""
 
 
 @pytest.fixture
 def project(tmp_path):
     """A copy of what a clone holds, with a tiny study."""
-    for name in ("granstudy", "workflow", "profiles"):
+    for name in ("granstudy", "profiles"):
         if not (REPOSITORY / name).is_dir():
             continue
         shutil.copytree(
@@ -58,7 +58,7 @@ def key_of(project, part):
 
 
 def start(project, *arguments, study="tiny.yaml"):
-    environment = os.environ | {"PYTHONPATH": str(project)}
+    environment = os.environ | {"PYTHONPATH": f"{project}{os.pathsep}{REPOSITORY}"}
     command = [sys.executable, "-m", "snakemake", "--cores", "2", *arguments]
     command += ["--config", f"study={study}"]
     return subprocess.Popen(
@@ -103,8 +103,10 @@ def edit(path, old, new):
 
 def test_a_study_from_nothing_to_figures_and_what_edits_rerun(project):
     assert planned(project) == EVERYTHING
-    snakemake(project)
+    output = snakemake(project)
+    assert output.rstrip().endswith("  read    results/tiny/index.html")
     results = project / "results" / "tiny"
+    assert (results / "report/convergence.html").is_file()
     ds = read_dataset(results / "runs/convergence/e~0.5/N~8/method~literal.nc")
     assert float(ds["N"]) == 8 and ds["temperature"].sizes == {"time": 3}
     assert xr.open_dataset(results / "tables/convergence.nc").sizes["run"] == 2
@@ -130,12 +132,12 @@ def test_a_study_from_nothing_to_figures_and_what_edits_rerun(project):
     assert planned(project) == set()
     # Plotting: the figure only.
     edit(project / "granstudy/analysis/figures/figure.py", "\n\n\ndef ", "\n\nUNUSED = 1\n\n\ndef ")
-    assert planned(project) == {"all", "figure"}
+    assert planned(project) == {"all", "figure", "page"}
     # The operator these runs do not use: still only that figure.
     edit(
         project / "granstudy/collision/fourier/transforms.py", "CACHE_LINE = 64", "CACHE_LINE = 128"
     )
-    assert planned(project) == {"all", "figure"}
+    assert planned(project) == {"all", "figure", "page"}
     # The one they use: everything.
     before = written(project)
     edit(project / "granstudy/collision/literal.py", "BATCH = 2**15", "BATCH = 2**14")
@@ -143,6 +145,23 @@ def test_a_study_from_nothing_to_figures_and_what_edits_rerun(project):
     snakemake(project)
     after = written(project)
     assert after.keys() == before.keys() and all(after[name] > before[name] for name in after)
+    # Where a figure fails, the page says so.
+    edit(project / "granstudy/analysis/figures/figure.py", "UNUSED = 1", "STYLE = {'no': 'style'}")
+    output = snakemake(project, succeeds=False)
+    assert output.rstrip().endswith("  read    results/tiny/index.html")
+    page = (results / "index.html").read_text()
+    assert "figure convergence: not made" in page and "<table>" in page
+
+
+@pytest.mark.slow
+def test_snakemakes_own_report_has_the_page_tables_and_figures(project):
+    snakemake(project)
+    snakemake(project, "--report", "report.html")
+    report = (project / "report.html").read_text()
+    for part in ("The study on one page", "Tables", "Figures", "convergence in N"):
+        assert part in report
+    for name in ("index.html", "convergence.svg", "convergence.html"):
+        assert name in report
 
 
 def test_a_value_added_to_a_list_adds_runs_and_nothing_else(project):
@@ -176,6 +195,7 @@ def test_bad_studies_get_one_clear_error_before_any_work(project, old, new, mess
     assert not (project / "results").exists()
 
 
+@pytest.mark.fault("A6", "B8")
 def test_a_study_of_another_name_and_a_deleted_or_damaged_run(project):
     """The store knows a run by what it depends on: nothing is computed twice, nothing damaged stays."""
     snakemake(project)
@@ -193,6 +213,18 @@ def test_a_study_of_another_name_and_a_deleted_or_damaged_run(project):
     }
 
     (path,) = (project / "results/.runs").rglob(f"{key_of(project, 'N~8')}.nc")
+    (other,) = (project / "results/.runs").rglob(f"{key_of(project, 'N~10')}.nc")
+    times, table = os.stat(path), project / "results/tiny/tables/convergence.csv"
+    path.write_bytes(other.read_bytes())  # the file of another run, as old as the right one
+    os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+    right = table.read_bytes()
+    table.unlink()
+    output = snakemake(project, succeeds=False)
+    assert "1 runs were damaged, or files of other runs" in output and not table.exists()
+    snakemake(project)
+    assert table.read_bytes() == right
+    before = written(project)
+
     path.unlink()
     assert planned(project) == EVERYTHING
     snakemake(project)

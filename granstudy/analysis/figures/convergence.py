@@ -10,9 +10,15 @@ from matplotlib.lines import Line2D
 
 from granstudy.analysis.columns import symbol
 from granstudy.analysis.figures.lines import distinguishing, label, lines, looks, mark_values
-from granstudy.analysis.figures.style import PANEL_HEIGHT, PAPER, PAPER_LOOK, WIDTH
+from granstudy.analysis.figures.plots.marks import line_opacity, mark, trust_handles
+from granstudy.analysis.figures.plots.scales import number_scale, set_scale
+from granstudy.analysis.figures.style import PANEL_HEIGHT, PAPER, PAPER_LOOK, WIDTH, Picture
 from granstudy.analysis.groups import check_numbers, check_swept, groups, keys
 from granstudy.analysis.source import FigureSource
+from granstudy.trust.flags import Trust
+
+MOST_PANELS = 4
+"""Values of e up to which each has a panel."""
 
 ORDER = 3
 """Order of the Runge–Kutta scheme, which the guide beside refined steps shows."""
@@ -44,35 +50,45 @@ def draw_convergence(source: FigureSource) -> Figure:
     """
     table, x = source.table, _abscissa(source)
     swept = table.attrs["swept"].split()
-    names = distinguishing(table, [name for name in swept if name not in (x, "e")])
+    # Many e have a line each, in place of a panel each.
+    across = "e" if "e" in swept and np.unique(table["e"].values).size <= MOST_PANELS else None
+    names = distinguishing(table, [name for name in swept if name not in (x, across)])
     down = "variant" if {"variant", "method"} <= set(names) else None
     names = [name for name in names if name != down]
-    columns, rows = _panels(table, "e"), _panels(table, down)
+    columns, rows = _panels(table, across), _panels(table, down)
     width = WIDTH if len(columns) > 1 else 0.75 * WIDTH
     size = (width, PANEL_HEIGHT * (1.0 if len(rows) == 1 else 0.85) * len(rows) + 0.9)
-    figure = Figure(figsize=size, layout="constrained")
+    figure = Picture(figsize=size, layout="constrained")
     axes = figure.subplots(len(rows), len(columns), sharex=True, sharey=True, squeeze=False)
     styles = looks([line for line, _ in lines(table, names)])
+    values = [table[table.attrs["quantity"]].values]
+    scale = "log" if np.nanmin(values) > 0.0 else number_scale(values)
     for ax, (row, column) in zip(axes.flat, itertools.product(rows, columns), strict=True):
         part = table.isel(run=sorted(set(row[1]) & set(column[1])))
         for line, unsorted in lines(part, names):
             runs = unsorted.sortby(x)
-            ax.plot(runs[x], runs[table.attrs["quantity"]], **styles[line])
+            look, y = styles[line], runs[table.attrs["quantity"]].values
+            trust = runs["trust"].values if "trust" in runs else np.full(y.size, Trust.TRUSTED)
+            drawn = {k: v for k, v in look.items() if k not in ("marker", "markersize")}
+            ax.plot(runs[x], y, **drawn, alpha=line_opacity(trust))
+            mark(ax, runs[x].values, y, trust, look)
         if _paper_is_drawn(part):
             ax.plot(part[x], part["paper"] / part["paper"].attrs.get("factor", 1.0), **PAPER_LOOK)
         if x == "dt":
             _order_guide(ax, part, x)
         if column[0] or row[0]:
             ax.set_title(", ".join(filter(None, (column[0], row[0]))))
-        ax.set_yscale("log")
+        set_scale(ax, "y", scale, values)
         mark_values(ax, x, np.unique(table[x]).tolist())
     _label_outer(axes, x, table.attrs["quantity"])
     handles = [
-        Line2D([], [], label=label(line) or str(table["method"].values.flat[0]), **style)
+        Line2D([], [], label=label(line, names) or str(table["method"].values.flat[0]), **style)
         for line, style in styles.items()
     ]
     if _paper_is_drawn(table):
         handles.append(Line2D([], [], label=PAPER, **PAPER_LOOK))
+    if "trust" in table:
+        handles += trust_handles([table["trust"].values])
     figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 3))
     return figure
 

@@ -2,32 +2,35 @@
 
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from granstudy.analysis.columns import symbol
-from granstudy.analysis.figures.lines import check_one_exponent, distinguishing
-from granstudy.analysis.figures.style import COLOURS, MARKERS, PANEL_HEIGHT, WIDTH
-from granstudy.analysis.groups import values_of
+from granstudy.analysis.figures.lines import check_one_exponent
+from granstudy.analysis.figures.plots.kinds import runs_of
+from granstudy.analysis.figures.plots.labels import symbol_of
+from granstudy.analysis.figures.plots.looks import Looks, add_bar, add_legend, looks_of
+from granstudy.analysis.figures.plots.marks import line_opacity, mark, trust_handles
+from granstudy.analysis.figures.plots.quantity import draw_series, value_labels
+from granstudy.analysis.figures.plots.scales import check_scale, time_scale
+from granstudy.analysis.figures.plots.series import Series, series_of
+from granstudy.analysis.figures.style import PANEL_HEIGHT, STYLE, WIDTH, Picture
 from granstudy.analysis.source import FigureSource
-from granstudy.analysis.tables.fits import local_slope
-from granstudy.datasets.open_runs import open_runs
+from granstudy.reading.cooling import local_slope, time_axis
 from granstudy.theory import haff_temperature
 
 SAMPLES = 20
 """Markers of a run; the line between them is the fit's, so that the two can be told apart."""
 
-BESIDE_CURVES = 3
-"""Runs up to which the legend has room between the curves; that of more stands below, two runs a row."""
-
-ROW = 0.2
-"""Height of a row of the legend, in inches."""
-
 ASKED = 1e-3
 """Distance from −2/λ that the local slope has to fall below."""
 
-STYLES = ("-", "--", ":", "-.")
-"""Line styles of the runs of a gas."""
+FIT: dict[str, Any] = {"linestyle": "--", "linewidth": 1.2}
+"""Look of a fitted law."""
 
 
 def check_cooling(source: FigureSource) -> None:
@@ -36,13 +39,11 @@ def check_cooling(source: FigureSource) -> None:
 
 
 def check_slope(source: FigureSource) -> None:
-    """Raise ValueError unless the runs cool by one law of Haff, over e, with outputs between."""
+    """Raise ValueError unless the runs cool by one law of Haff, with outputs between."""
     _check_evolution("slope", source)
     table = source.table
-    if "e" not in table.attrs["swept"].split():
-        raise ValueError("figure.kind='slope': has a colour for each e; sweep e")
     check_one_exponent("slope", table)
-    if float(table["exponent"]) == 0.0:
+    if float(np.unique(table["exponent"].values)[0]) == 0.0:
         raise ValueError(
             "figure.kind='slope': Haff's law holds for exponent > 0; the runs have exponent 0"
         )
@@ -63,83 +64,134 @@ def _check_evolution(kind: str, source: FigureSource) -> None:
 
 
 def draw_cooling(source: FigureSource) -> Figure:
-    """Draw T(t) with the fitted Haff laws; beside it (T0/T)^{λ/2} − 1, which Haff's law makes C0 t.
-
-    Without a fit, λ is 1 there.
-    """
-    table = source.table
-    rows = -(-table.sizes["run"] // 2) if table.sizes["run"] > BESIDE_CURVES else 0
-    height = PANEL_HEIGHT + 0.4 + ROW * rows
-    figure = Figure(figsize=(WIDTH, height), layout="constrained")
-    left, right = figure.subplots(1, 2)
-    names = distinguishing(table, table.attrs["swept"].split())
-    runs = open_runs(source.row_files)
-    times, T = np.broadcast_arrays(runs["time"].values, runs["temperature"].values)
-    exponents = values_of(table, "exponent", 1.0) if "C0" in table else np.ones(table.sizes["run"])
-    for i in range(table.sizes["run"]):
-        time = times[i, np.isfinite(times[i])]
-        every = max(1, time.size // SAMPLES)
-        sampled = np.unique(np.geomspace(1, time.size - 1, SAMPLES).astype(int))
-        colour = COLOURS[i % len(COLOURS)]
-        label = ", ".join(f"{symbol(n)} = {table[n].values[i]}" for n in names)
-        T0, power = T[i, 0], exponents[i] / 2
-        look: dict[str, Any] = {"color": colour, "linestyle": "none", "marker": MARKERS[i % 4]}
-        look |= {"markersize": 4.0, "markerfacecolor": "white"}
-        left.plot(time[::every], T[i, : time.size : every], label=label, **look)
-        right.plot(time[sampled], (T0 / T[i, sampled]) ** power - 1.0, **look)
-        if "C0" in table:
-            C0 = table["C0"].values[i]
-            law = rf"${T0:.4g}\,(1 + {C0:.4g}\,t)^{{{-1.0 / power:.3g}}}$"
-            dashed: dict[str, Any] = {"color": colour, "linestyle": "--", "linewidth": 1.2}
-            left.plot(time, haff_temperature(time, T0, C0, exponents[i]), label=law, **dashed)
-            right.plot(time[sampled], C0 * time[sampled], **dashed)
-    left.set(xlabel="$t$", ylabel=symbol("temperature"), ylim=(0.0, None), xlim=(0.0, None))
-    left.set_title("temperature" + (" and fitted Haff laws" if "C0" in table else ""))
-    if rows:
-        handles = left.get_legend_handles_labels()
-        figure.legend(*handles, loc="outside lower center", ncols=4)
-    else:
-        left.legend()
-    right.set(xlabel="$t$", ylabel=_law_of(exponents), xscale="log", yscale="log")
-    right.set_title("Haff's law is a line of slope 1")
-    return figure
-
-
-def _law_of(exponents: np.ndarray) -> str:
-    """What Haff's law makes a line, as Matplotlib's mathematics."""
-    return r"$\sqrt{T_0/T} - 1$" if np.all(exponents == 1.0) else r"$(T_0/T)^{\lambda/2} - 1$"
+    """Draw T(t) of an experiment with its fitted Haff laws."""
+    return cooling_figure(runs_of(source), title="")
 
 
 def draw_slope(source: FigureSource) -> Figure:
+    """Draw T(t) of an experiment over decades, and the distance of its slope from Haff's law."""
+    return slope_figure(runs_of(source), title="")
+
+
+def cooling_figure(
+    runs: xr.Dataset, *, scale: str | None = None, title: str | None = None
+) -> Figure:
+    """Draw T(t), with fitted Haff laws; beside it (T0/T)^{λ/2} − 1, which Haff's law makes C0 t.
+
+    Parameters
+    ----------
+    runs : xarray.Dataset
+        Runs with a temperature over time; with `C0` where laws were fitted. Without laws λ is 1 beside it.
+    scale : str, optional
+        Of T and t: ``log``, ``linear``; by default logarithmic where the outputs span decades.
+    title : str, optional
+        By default what is drawn.
+    """
+    check_scale("scale", scale)
+    fitted = "C0" in runs
+    T, series = _temperatures(runs)
+    C0 = runs["C0"].reset_coords(drop=True) if fitted else xr.DataArray(np.nan)
+    exponent = runs["exponent"].reset_coords(drop=True) if fitted else xr.DataArray(1.0)
+    powers = [float(_at(exponent, one.key)) / 2 for one in series]
+    with mpl.rc_context(STYLE):
+        figure = Picture(figsize=(WIDTH, PANEL_HEIGHT + 0.9), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        looks = looks_of(series, value_labels(T))
+        for one, look, power in zip(series, looks.lines, powers, strict=True):
+            t, its_T, trust = one.x, one.y, one.trust
+            sampled = np.unique(np.geomspace(1, max(t.size - 1, 1), SAMPLES).astype(int))
+            sampled = sampled[sampled < t.size]
+            hollow = look | {"markersize": 4.0}
+            mark(left, t, its_T, trust, hollow)
+            ratio = (its_T[0] / its_T[sampled]) ** power - 1.0
+            mark(right, t[sampled], ratio, trust[sampled], hollow)
+            constant = float(_at(C0, one.key))
+            if np.isfinite(constant):
+                law = {"color": look["color"], "alpha": line_opacity(trust), **FIT}
+                left.plot(t, haff_temperature(t, its_T[0], constant, 2 * power), **law)
+                right.plot(t[sampled], constant * t[sampled], **law)
+        if len(looks.handles) == len(series):
+            for handle, one in zip(looks.handles, series, strict=True):
+                constant = float(_at(C0, one.key))
+                if np.isfinite(constant):
+                    handle.set_label(f"{handle.get_label()}, {symbol('C0')} = {constant:.4g}")
+        chosen = scale or time_scale([one.x for one in series])
+        left.set(xlabel="$t$", ylabel=symbol("temperature"))
+        if chosen == "log":
+            left.set(xscale="log", yscale="log")
+        else:
+            left.set(xlim=(0.0, None), ylim=(0.0, None))
+        left.set_title("temperature" + (", and fitted Haff laws (dashed)" if fitted else ""))
+        right.set(xlabel="$t$", ylabel=_law_of(powers), xscale="log", yscale="log")
+        right.set_title("Haff's law is a line of slope 1")
+        _legend(figure, (left, right), T, looks, series)
+        figure.suptitle("Cooling" if title is None else title, fontsize=10)
+    return figure
+
+
+def _law_of(powers: list[float]) -> str:
+    """What Haff's law makes a line, as Matplotlib's mathematics."""
+    hard = all(power == 0.5 for power in powers)
+    return r"$\sqrt{T_0/T} - 1$" if hard else r"$(T_0/T)^{\lambda/2} - 1$"
+
+
+def slope_figure(runs: xr.Dataset, *, title: str | None = None) -> Figure:
     """Draw T(t) on logarithmic axes; beside it |d ln T/d ln t + 2/λ|, which falls as 1/t.
 
-    A colour a gas (e), a line style for each of its runs, so that runs that agree are both seen.
+    Raises
+    ------
+    ValueError
+        For Maxwell molecules, whose temperature has no such slope.
     """
-    table = source.table
-    figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 1.0), layout="constrained")
-    left, right = figure.subplots(1, 2)
-    law = -2.0 / float(table["exponent"])
-    runs = open_runs(source.row_files)
-    times, T = np.broadcast_arrays(runs["time"].values, runs["temperature"].values)
-    gases = list(dict.fromkeys(table["e"].values.tolist()))
-    seen = dict.fromkeys(gases, 0)
-    for i in range(table.sizes["run"]):
-        e = table["e"].values[i].item()
-        style, label = STYLES[seen[e] % len(STYLES)], f"{symbol('e')} = {e:g}"
-        if "method" in table.attrs["swept"].split():
-            label += f", {table['method'].values[i]}"
-        look = {"color": COLOURS[gases.index(e) % len(COLOURS)], "linewidth": 1.6 + seen[e]}
-        seen[e] += 1
-        there = np.isfinite(times[i])
-        time, temperature = times[i, there][1:], T[i, there][1:]
-        left.plot(time, temperature, style, label=label, **look)
-        at, slope = local_slope(time, temperature)
-        right.plot(at, np.abs(slope - law), style, **look)
-    right.axhline(ASKED, color="0.6", linewidth=0.8)
-    left.set(xlabel="$t$", ylabel=symbol("temperature"), xscale="log", yscale="log")
-    left.set_title("temperature")
-    right.set(xlabel="$t$", xscale="log", yscale="log")
-    right.set_ylabel(rf"$|\mathrm{{d}}\,\ln T/\mathrm{{d}}\,\ln t + {-law:g}|$")
-    right.set_title("distance of the local slope from Haff's law")
-    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    if bool((runs["exponent"] == 0.0).any()):
+        raise ValueError("exponent: Haff's law holds for exponent > 0; select such runs")
+    T, series = _temperatures(runs.isel({time_axis(runs): slice(1, None)}))
+    exponent = runs["exponent"].reset_coords(drop=True)
+    laws = [-2.0 / float(_at(exponent, one.key)) for one in series]
+    with mpl.rc_context(STYLE):
+        figure = Picture(figsize=(WIDTH, PANEL_HEIGHT + 0.9), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        looks = looks_of(series, value_labels(T))
+        draw_series(left, series, looks)
+        distances = []
+        for one, law in zip(series, laws, strict=True):
+            at, slope = local_slope(one.x, one.y)
+            distances.append(Series(one.key, at, np.abs(slope - law), one.trust[1:]))
+        draw_series(right, distances, looks)
+        right.axhline(ASKED, color="0.6", linewidth=0.8)
+        left.set(xlabel="$t$", ylabel=symbol("temperature"), xscale="log", yscale="log")
+        left.set_title("temperature")
+        right.set(xlabel="$t$", xscale="log", yscale="log")
+        steepness = f"{-laws[0]:g}" if len(set(laws)) == 1 else r"2/\lambda"
+        right.set_ylabel(rf"$|\mathrm{{d}}\,\ln T/\mathrm{{d}}\,\ln t + {steepness}|$")
+        right.set_title("distance of the local slope from Haff's law")
+        _legend(figure, (left, right), T, looks, series)
+        figure.suptitle("Cooling over decades" if title is None else title, fontsize=10)
     return figure
+
+
+def _temperatures(runs: xr.Dataset) -> tuple[xr.DataArray, list[Series]]:
+    """T over time, and its lines.
+
+    Raises
+    ------
+    ValueError
+        If the runs do not go through time.
+    """
+    time_axis(runs)
+    T = runs["temperature"]
+    return T, series_of(T, "time", runs.get("trust"))
+
+
+def _at(values: xr.DataArray, key: Any) -> xr.DataArray:
+    """A number of the run of a line."""
+    return values.sel({d: v for d, v in key.items() if d in values.dims})
+
+
+def _legend(
+    figure: Figure, axes: tuple[Axes, Axes], T: xr.DataArray, looks: Looks, series: list[Series]
+) -> None:
+    handles: list[Line2D] = [*looks.handles, *trust_handles(one.trust for one in series)]
+    add_legend(figure, handles)
+    if looks.bar is not None:
+        add_bar(figure, list(axes), looks.bar, symbol_of(T.coords[looks.bar.dim]))

@@ -12,6 +12,16 @@ from granstudy.analysis.figures.convergence import check_convergence, draw_conve
 from granstudy.analysis.figures.cooling import check_cooling, check_slope, draw_cooling, draw_slope
 from granstudy.analysis.figures.front import check_front, draw_front
 from granstudy.analysis.figures.gallery import check_gallery, draw_gallery
+from granstudy.analysis.figures.plots.kinds import (
+    check_map,
+    check_profile,
+    check_quantity_over,
+    draw_map_over,
+    draw_marginal,
+    draw_over_maxwellian,
+    draw_quantity_over,
+    draw_tail,
+)
 from granstudy.analysis.figures.speed import check_speed, draw_speed
 from granstudy.analysis.figures.states import check_states, draw_states
 from granstudy.analysis.figures.style import STYLE
@@ -34,6 +44,8 @@ class Drawer:
     ----------
     draw : callable
         Source ↦ the figure.
+    shows : str
+        What is seen, in words; ``{quantity}``, ``{x}`` and ``{y}`` stand for their long names.
     check : callable
         Source ↦ None; ValueError where the table does not have what the figure shows. It is called before any
         run, too: without files, with tables whose numbers are all 1.
@@ -42,18 +54,52 @@ class Drawer:
     """
 
     draw: Callable[[FigureSource], Figure]
+    shows: str
     check: Callable[[FigureSource], None] = _nothing
     takes: tuple[str, ...] = ()
 
 
 FIGURES: dict[str, Drawer] = {
-    "convergence": Drawer(draw_convergence, check_convergence, takes=("x",)),
-    "cooling": Drawer(draw_cooling, check_cooling),
-    "speed": Drawer(draw_speed, check_speed, takes=("x",)),
-    "front": Drawer(draw_front, check_front, takes=("beside",)),
-    "slope": Drawer(draw_slope, check_slope),
-    "states": Drawer(draw_states, check_states, takes=("beside",)),
-    "gallery": Drawer(draw_gallery, check_gallery),
+    "convergence": Drawer(
+        draw_convergence, "{quantity} against {x}, logarithmic", check_convergence, takes=("x",)
+    ),
+    "cooling": Drawer(draw_cooling, "temperature over time, with Haff's law fitted", check_cooling),
+    "speed": Drawer(
+        draw_speed, "seconds for one evaluation of Q against {x}", check_speed, takes=("x",)
+    ),
+    "front": Drawer(
+        draw_front,
+        "seconds for one evaluation of Q against its error",
+        check_front,
+        takes=("beside",),
+    ),
+    "slope": Drawer(
+        draw_slope, "distance of d ln T/d ln t from Haff's −2/λ over time", check_slope
+    ),
+    "states": Drawer(
+        draw_states,
+        "a2 of states against the restitution coefficient, beside theories",
+        check_states,
+        takes=("beside",),
+    ),
+    "gallery": Drawer(
+        draw_gallery,
+        "temperature and a2 over time, and the density at the end, of every run beside its truth",
+        check_gallery,
+    ),
+    "quantity": Drawer(
+        draw_quantity_over, "{quantity} over {x}", check_quantity_over, takes=("x", "quantity")
+    ),
+    "map": Drawer(
+        draw_map_over, "{quantity} over {x} and {y}", check_map, takes=("x", "y", "quantity")
+    ),
+    "over_maxwellian": Drawer(
+        draw_over_maxwellian,
+        "density over the Maxwellian of the same mass, velocity and temperature",
+        check_profile,
+    ),
+    "tail": Drawer(draw_tail, "density at large velocities, in thermal speeds", check_profile),
+    "marginal": Drawer(draw_marginal, "density of one component of the velocity", check_profile),
 }
 """The kinds of figures that a study file can ask for, as ``figure: {kind: ...}``."""
 
@@ -64,7 +110,8 @@ def check_figure(source: FigureSource) -> None:
     if asked.kind not in FIGURES:
         raise ValueError(f"figure.kind: {unknown_name('kind', asked.kind, list(FIGURES))}")
     drawer = FIGURES[asked.kind]
-    for field, value in (("x", asked.x), ("beside", asked.beside)):
+    for field in ("x", "y", "quantity", "beside"):
+        value = getattr(asked, field)
         if value and field not in drawer.takes:
             able = ", ".join(name for name, each in FIGURES.items() if field in each.takes)
             raise ValueError(f"figure.{field}={value!r}: only {able} take it, not {asked.kind}")

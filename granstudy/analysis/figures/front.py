@@ -10,11 +10,18 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from granstudy.analysis.columns import symbol
-from granstudy.analysis.figures.style import PANEL_HEIGHT, WIDTH, FamilyStyle, family_styles
+from granstudy.analysis.figures.plots.marks import mark, trust_handles
+from granstudy.analysis.figures.style import (
+    PANEL_HEIGHT,
+    WIDTH,
+    FamilyStyle,
+    Picture,
+    family_styles,
+)
 from granstudy.analysis.labels import families
 from granstudy.analysis.source import FigureSource
 from granstudy.study.benchmark.front import fastest_within, on_front
-from granstudy.trust.flags import Status
+from granstudy.trust.flags import Status, Trust
 
 COLUMNS = 2
 """Panels side by side."""
@@ -79,7 +86,7 @@ def benchmark_front(tables: Sequence[xr.Dataset]) -> Figure:
     columns = min(COLUMNS, len(tables))
     rows = -(-len(tables) // columns)
     size = (WIDTH * (1.0 if columns > 1 else 0.75), PANEL_HEIGHT * rows + 1.1)
-    figure = Figure(figsize=size, layout="constrained")
+    figure = Picture(figsize=size, layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False)
     parts = [table.isel(run=_timed_on_all_threads(table)) for table in tables]
     styles = family_styles(name for part in parts for name in families(part))
@@ -114,7 +121,7 @@ def run_front(table: xr.Dataset) -> Figure:
     """
     _check_seconds(table)
     table = table.isel(run=np.flatnonzero(table["status"] == Status.OK))
-    figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 0.9), layout="constrained")
+    figure = Picture(figsize=(WIDTH, PANEL_HEIGHT + 0.9), layout="constrained")
     axes = figure.subplots(1, 2, sharey=True)
     styles = family_styles(families(table))
     for ax, measure in zip(axes, RUN_ERRORS, strict=True):
@@ -122,7 +129,8 @@ def run_front(table: xr.Dataset) -> Figure:
         _lines(ax, table, error, on_front(table["seconds"].values, error), styles)
         ax.set_xlabel(symbol(measure))
     axes[0].set_ylabel("time of the run (s)")
-    figure.legend(handles=_handles(styles), loc="outside lower center", ncols=4)
+    handles = [*_handles(styles), *trust_handles([table["trust"].values])]
+    figure.legend(handles=handles, loc="outside lower center", ncols=4)
     return figure
 
 
@@ -141,11 +149,14 @@ def _lines(
 ) -> None:
     """Draw a line for each family, and the front through the best runs."""
     seconds, family = table["seconds"].values, np.array(families(table))
+    trust = table["trust"].values if "trust" in table else np.full(seconds.size, Trust.TRUSTED)
     for name, style in styles.items():
         own = np.flatnonzero(family == name)
         order = own[np.argsort(error[own])]
         if own.size:
-            ax.plot(error[order], seconds[order], linewidth=0.8, **_look(style))
+            look = _look(style)
+            ax.plot(error[order], seconds[order], linewidth=0.8, color=style.colour, zorder=3)
+            mark(ax, error[order], seconds[order], trust[order], look)
     front = np.flatnonzero(best)
     front = front[np.argsort(error[front])]
     ax.plot(error[front], seconds[front], drawstyle="steps-post", **_front_look())

@@ -9,13 +9,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from granstudy.analysis.columns import symbol
-from granstudy.analysis.figures.style import COLOURS, PANEL_HEIGHT, WIDTH
+from granstudy.analysis.figures.plots.marks import line_opacity
+from granstudy.analysis.figures.style import COLOURS, PANEL_HEIGHT, WIDTH, Picture
 from granstudy.analysis.groups import keys
 from granstudy.analysis.labels import run_text, telling_apart
 from granstudy.analysis.source import FigureSource
 from granstudy.analysis.tables.truth import truth_model, truth_of
 from granstudy.datasets.netcdf import read_dataset
 from granstudy.evolution.frames.physical import physical_density
+from granstudy.reading.weights import trigonometric_weights
 from granstudy.trust.flags import flag_word
 from granstudy.trust.truth import Truth
 
@@ -37,7 +39,7 @@ def check_gallery(source: FigureSource) -> None:
 
 def draw_gallery(source: FigureSource) -> Figure:
     """Draw the runs of an experiment beside their truth, which is black."""
-    figure = Figure(figsize=(1.3 * WIDTH, PANEL_HEIGHT + 1.2), layout="constrained")
+    figure = Picture(figsize=(1.3 * WIDTH, PANEL_HEIGHT + 1.2), layout="constrained")
     panels = figure.subplots(1, 3)
     rows, files, names = source.rows, source.by_path, telling_apart(source.table)
     truths: dict[str, Truth] = {}
@@ -45,7 +47,8 @@ def draw_gallery(source: FigureSource) -> Figure:
         ds = read_dataset(file)
         look: dict[str, Any] = {"color": COLOURS[i % len(COLOURS)], "zorder": 3}
         # Runs that agree lie over each other, the first one wide and pale, so that all are seen.
-        look |= {"linewidth": 1.3 + 0.8 * (len(rows) - 1 - i), "alpha": 0.85}
+        opacity = 0.85 * line_opacity(np.atleast_1d(ds["trust"].values))
+        look |= {"linewidth": 1.3 + 0.8 * (len(rows) - 1 - i), "alpha": opacity}
         label = run_text(dict(zip(names, key, strict=True)), symbol)
         label += f": {flag_word('trust', ds['trust'])}{', stopped' * bool(int(ds['status']))}"
         panels[0].plot(ds["time"], ds["temperature"], **look, label=label)
@@ -135,17 +138,5 @@ def thermal_profile(ds: xr.Dataset) -> tuple[np.ndarray, np.ndarray] | None:
         return np.concatenate([-r[::-1], r]), np.concatenate([values[::-1], values])
     axes = [f[f"v{axis}"].values for axis in ds["component"].values]
     for axis in reversed(range(1, d)):
-        values = values @ interpolation(axes[axis], u[axis])
+        values = values @ trigonometric_weights(axes[axis], u[axis])
     return (axes[0] - u[0]) / thermal, values
-
-
-def interpolation(nodes: np.ndarray, x: float) -> np.ndarray:
-    """Weights of equidistant nodes for the value at x of their periodic trigonometric interpolant.
-
-    w_j = (1/N) Σ_{|k| ≤ N/2} cos(2πk(x − v_j)/P), P the period; the two unpaired modes count half each.
-    """
-    N = len(nodes)
-    phase = 2.0 * np.pi * (x - nodes) / (N * (nodes[1] - nodes[0]))
-    k = np.arange(1, N // 2)
-    paired = 2.0 * np.cos(np.multiply.outer(phase, k)).sum(axis=1)
-    return (1.0 + paired + np.cos(N // 2 * phase)) / N

@@ -8,6 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
+from granstudy.analysis.columns import symbol
 from granstudy.analysis.figures.style import COLOURS, FAMILY_COLOURS, LABELS, MARKERS
 from granstudy.analysis.groups import groups, keys, values_of
 from granstudy.analysis.labels import PAPERS_OWN
@@ -39,9 +40,20 @@ def lines(table: xr.Dataset, names: Sequence[str]) -> Iterator[tuple[Line, xr.Da
         yield tuple(map(str, key)), table.isel(run=members)
 
 
-def label(line: Line) -> str:
-    """Name of a line in a legend."""
-    return ", ".join(LABELS.get(value, value) for value in line)
+def label(line: Line, names: Sequence[str]) -> str:
+    """Name of a line in a legend: words, and numbers with the symbols of their parameters."""
+    return ", ".join(
+        f"{symbol(name)} = {value}" if _is_number(value) else LABELS.get(value, value)
+        for name, value in zip(names, line, strict=True)
+    )
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def looks(found: Sequence[Line]) -> dict[Line, dict[str, Any]]:

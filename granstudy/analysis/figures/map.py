@@ -1,5 +1,6 @@
 """The map of a study as a figure: cases down, configurations across, cells coloured by label."""
 
+from textwrap import fill
 from typing import Any
 
 import matplotlib as mpl
@@ -9,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from granstudy.analysis.figures.style import STYLE
+from granstudy.analysis.figures.style import STYLE, Picture
 from granstudy.analysis.groups import groups, keys
 from granstudy.analysis.tables.map import rule_line
 from granstudy.trust.flags import flag_word
@@ -23,6 +24,9 @@ ERRORS = ("largest_temperature_error", "largest_a2_error")
 CELL_WIDTH = 2.9
 LINE_HEIGHT = 0.27
 """Width of a column and height of a run, in inches."""
+
+LETTERS_AN_INCH = 14
+"""Letters of the title that fit into an inch."""
 
 LETTERS = 52
 """Letters that fit into a cell; longer texts take two lines, in smaller type."""
@@ -44,7 +48,7 @@ def draw_map(table: xr.Dataset) -> Figure:
     tops = np.cumsum([0, *heights])
     with mpl.rc_context(STYLE):
         size = (2.3 + CELL_WIDTH * len(columns), 1.5 + LINE_HEIGHT * tops[-1])
-        figure = Figure(figsize=size, layout="constrained")
+        figure = Picture(figsize=size, layout="constrained")
         ax = figure.subplots()
         for (case, column), members in cells.items():
             row = cases.index(case)
@@ -61,10 +65,11 @@ def draw_map(table: xr.Dataset) -> Figure:
         ax.grid(False)
         handles = [Patch(color=colour, label=name) for name, colour in LABEL_COLOURS.items()]
         figure.legend(handles=handles, loc="outside lower center", ncols=3)
-        title = (
-            f"{table.attrs['title']}\nlargest errors of T (relative) and of a2. {rule_line(table)}"
+        told = fill(
+            f"largest errors of T (relative) and of a2. {rule_line(table)}",
+            int(LETTERS_AN_INCH * size[0]),
         )
-        figure.suptitle(title, fontsize=9)
+        figure.suptitle(f"{table.attrs['title']}\n{told}", fontsize=9)
     return figure
 
 

@@ -7,7 +7,14 @@ from matplotlib.figure import Figure
 
 from granstudy.analysis.columns import symbol
 from granstudy.analysis.figures.lines import lines, mark_values
-from granstudy.analysis.figures.style import PANEL_HEIGHT, PAPER, PAPER_LOOK, WIDTH, family_styles
+from granstudy.analysis.figures.style import (
+    PANEL_HEIGHT,
+    PAPER,
+    PAPER_LOOK,
+    WIDTH,
+    Picture,
+    family_styles,
+)
 from granstudy.analysis.groups import values_of
 from granstudy.analysis.labels import families
 from granstudy.analysis.paper.printed import TIMED
@@ -37,7 +44,7 @@ def _on_cartesian_grids(table: xr.Dataset) -> np.ndarray:
 def draw_speed(source: FigureSource) -> Figure:
     """Draw seconds against N for every method, with one thread and with all."""
     table = source.table
-    figure = Figure(figsize=(WIDTH, PANEL_HEIGHT + 1.0), layout="constrained")
+    figure = Picture(figsize=(WIDTH, PANEL_HEIGHT + 1.0), layout="constrained")
     ax = figure.subplots()
     most = np.max(table["threads"].values)
     named = table.assign_coords(method=("run", families(table)))

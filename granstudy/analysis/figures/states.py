@@ -11,18 +11,19 @@ from matplotlib.figure import Figure
 
 from granstudy.analysis.columns import symbol
 from granstudy.analysis.figures.lines import check_one_exponent
+from granstudy.analysis.figures.plots.marks import line_opacity, mark, trust_handles
 from granstudy.analysis.figures.style import (
     COLOURS,
     MARKERS,
     PANEL_HEIGHT,
     WIDTH,
+    Picture,
     family_styles,
 )
 from granstudy.analysis.groups import Key, groups, keys
 from granstudy.analysis.labels import families
 from granstudy.analysis.source import FigureSource
 from granstudy.analysis.tables.states import theory_a2
-from granstudy.trust.flags import Trust
 
 THEORIES = {
     "a2_linear": ("linear theory (van Noije & Ernst)", "--"),
@@ -36,8 +37,6 @@ UNIT = 1e-3
 
 ASKED = 1e-4
 """Error that states of Maxwell molecules have to fall below from e = 0.5 on."""
-
-NOT_TRUSTED = "open: not labelled trusted"
 
 
 def check_states(source: FigureSource) -> None:
@@ -54,7 +53,7 @@ def draw_states(source: FigureSource) -> Figure:
     compared = any("a2_error" in table or _beside(table) for table in tables)
     ratios = [3, 2] if compared else [3]
     height = 0.35 * sum(ratios) * PANEL_HEIGHT + 0.9
-    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    figure = Picture(figsize=(WIDTH, height), layout="constrained")
     axes = figure.subplots(
         len(ratios), len(tables), squeeze=False, sharex="col", height_ratios=ratios
     )
@@ -84,11 +83,8 @@ def draw_states(source: FigureSource) -> Figure:
         for ax in axes[0]
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)
     }
-    labels = sorted(labelled, key=lambda label: label == NOT_TRUSTED)
-    figure.legend(
-        [labelled[label] for label in labels], labels, loc="outside lower center",
-        ncols=min(len(labels), 3),
-    )  # fmt: skip
+    handles = [*labelled.values(), *trust_handles(table["trust"].values for table in tables)]
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 3))
     return figure
 
 
@@ -124,14 +120,12 @@ def _label(names: Sequence[str], key: Key) -> str:
 
 
 def _states(ax: Axes, part: xr.Dataset, name: str, look: dict[str, Any]) -> None:
-    """Draw a line through the states, with markers filled where the label is trusted."""
+    """Draw a line through the states, with markers that tell their labels."""
     part = part.sortby("e")
-    trusted = part["trust"].values == Trust.TRUSTED
-    ax.plot(part["e"], part[name], markersize=4.5, zorder=2, **look)
-    hollow = look | {"linestyle": "none", "markerfacecolor": "white", "markersize": 4.5}
-    if not trusted.all():
-        ax.plot(part["e"][~trusted], part[name][~trusted], zorder=3, **hollow | {"label": "_"})
-        ax.plot([], [], **hollow | {"color": "0.3", "marker": "o", "label": NOT_TRUSTED})
+    e, y, trust = part["e"].values, part[name].values, part["trust"].values
+    # The legend shows the marker that `mark` puts on the points.
+    ax.plot(e, y, markersize=4.5, markevery=[], alpha=line_opacity(trust), zorder=2, **look)
+    mark(ax, e, y, trust, {"markersize": 4.5, "zorder": 3} | look)
 
 
 def _beside(table: xr.Dataset) -> list[str]:

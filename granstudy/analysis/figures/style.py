@@ -1,9 +1,12 @@
 """Look of figures: colours, markers, labels, sizes."""
 
+import io
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import cycle
 from typing import Any
+
+from matplotlib.figure import Figure
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Okabe & Ito, "Color Universal Design" (2008): told apart by colour-blind readers."""
@@ -54,6 +57,15 @@ def family_styles(names: Iterable[str]) -> dict[str, FamilyStyle]:
     }
 
 
+class Picture(Figure):
+    """A figure that notebooks show without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        target = io.BytesIO()
+        self.savefig(target, format="png", dpi=100)
+        return target.getvalue()
+
+
 PAPER = "Hu & Ma (2019)"
 PAPER_LOOK: dict[str, Any] = {
     "color": "black",
@@ -83,6 +95,7 @@ STYLE: Any = {
     "axes.spines.right": False,
     "grid.color": "0.9",
     "grid.linewidth": 0.6,
+    "hatch.linewidth": 0.5,
     "legend.frameon": False,
     "legend.fontsize": 8.5,
     "lines.linewidth": 1.4,

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from scipy.optimize import curve_fit
 
 from granstudy import theory
 from granstudy.analysis.columns import computed
@@ -13,8 +12,8 @@ from granstudy.analysis.groups import check_numbers, check_swept, groups, keys, 
 from granstudy.analysis.labels import families
 from granstudy.analysis.source import TableSource
 from granstudy.datasets.netcdf import read_dataset, run_seconds
+from granstudy.reading.cooling import fit_haff, local_slope
 from granstudy.support.errors import unknown_name
-from granstudy.theory import haff_temperature
 from granstudy.trust.flags import Status
 
 
@@ -52,53 +51,6 @@ def growth_exponent(x: np.ndarray, cost: np.ndarray, least: float = 0.0) -> floa
     x, cost = np.asarray(x, dtype=float), np.asarray(cost, dtype=float)
     kept = np.isfinite(cost) & (cost > least)
     return fit_order(x[kept], cost[kept])[0] if np.unique(x[kept]).size > 1 else float("nan")
-
-
-def local_slope(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Geometric means of neighbouring x, and the slopes d ln y/d ln x between them."""
-    x = np.asarray(x, dtype=float)
-    return np.sqrt(x[1:] * x[:-1]), np.diff(np.log(y)) / np.diff(np.log(x))
-
-
-def fit_haff(
-    time: np.ndarray, temperature: np.ndarray, T0: float | None = None, exponent: float = 1.0
-) -> tuple[float, float]:
-    """Fit C0 of Haff's law T = T0 (1 + C0 t)^{−2/λ} by least squares, and its standard error.
-
-    The paper fits the same way (its Figs. 3 and 4, eq. 52): T0 stays at the initial temperature, all
-    times weigh alike. Haff's law holds for a fixed shape of the density. While the shape still
-    changes, C0 depends on the fitted interval; the standard error does not tell that.
-
-    Parameters
-    ----------
-    time, temperature : array_like
-        A run's times and temperatures, at least three.
-    T0 : float, optional
-        The temperature at t = 0; by default the first one.
-    exponent : float
-        λ of the kernel, above 0; by default that of hard spheres.
-
-    Raises
-    ------
-    ValueError
-        If a value is not finite or there are fewer than three.
-
-    References
-    ----------
-    P. Haff, J. Fluid Mech. 134, 401 (1983).
-    """
-    time, temperature = np.asarray(time, dtype=float), np.asarray(temperature, dtype=float)
-    if time.size < 3:
-        raise ValueError(f"time has {time.size} values: a cooling law needs at least three")
-    if not (np.all(np.isfinite(time)) and np.all(np.isfinite(temperature))):
-        raise ValueError("temperature: a cooling law needs finite values at every time")
-    initial = float(temperature[0]) if T0 is None else T0
-    # From T(t_end) alone; close enough for Gauss–Newton to need a handful of steps.
-    start = ((initial / temperature[-1]) ** (exponent / 2) - 1.0) / time[-1]
-    C0, covariance = curve_fit(
-        lambda t, C0: haff_temperature(t, initial, C0, exponent), time, temperature, p0=[start]
-    )
-    return float(C0[0]), float(np.sqrt(covariance[0, 0]))
 
 
 LEAST_MEMORY_MB = 8.0
@@ -231,7 +183,8 @@ def with_haff(table: xr.Dataset, source: TableSource) -> xr.Dataset:
             if callable(e)
             else theory.haff_constant(kernel, float(e), run.scene.dim, T0=float(T[0]))
         )
-        fitted.append((*fit_haff(time, T, exponent=kernel.exponent), C0))
+        fit = fit_haff(time, T, exponent=kernel.exponent)
+        fitted.append((fit.C0, fit.C0_error, C0))
     return _with_columns(table, _columns(("C0", "C0_error", "C0_theory"), fitted))
 
 

@@ -14,13 +14,8 @@ from granstudy.analysis.tables.table import write_table
 from granstudy.analysis.tables.truth import MEASURES
 from granstudy.datasets.run_dataset import CONVENTIONS
 from granstudy.trust.flags import Status, Trust, flag_word
-
-TRUSTED_TEMPERATURE = 1e-2
-TRUSTED_A2 = 1e-2
-"""Errors that no trusted run has, of T relative to T and of a2."""
-
-UNTRUSTED = 1e-6
-"""No untrusted run has both its errors below this."""
+from granstudy.trust.rules import EXACTLY, Judged
+from granstudy.trust.truth import Errors
 
 CONFIGURATION = ("method", "frame")
 """Parameters that are the map's columns."""
@@ -37,16 +32,9 @@ ALIGNMENT = ("left",) * 3 + ("right",) * 4 + ("left",)
 
 
 def breaks_rule(trust: Trust, temperature_error: float, a2_error: float, status: Status) -> bool:
-    """Whether a label is wrong, by `TRUSTED_TEMPERATURE`, `TRUSTED_A2` and `UNTRUSTED`.
-
-    An error that is not a number is a large one. A run that stopped is not to be trusted, whatever its errors
-    up to there.
-    """
-    if trust is Trust.TRUSTED:
-        return not (temperature_error <= TRUSTED_TEMPERATURE and a2_error <= TRUSTED_A2)
-    if trust is Trust.UNTRUSTED and status is Status.OK:
-        return temperature_error < UNTRUSTED and a2_error < UNTRUSTED
-    return False
+    """Whether a label is wrong, by the first two rules of `granstudy.trust.rules`."""
+    run = Judged(trust, status is Status.OK, Errors(temperature_error, a2_error), EXACTLY)
+    return bool({"trusted_wrong", "untrusted_right"}.intersection(run.broken))
 
 
 def label_map(title: str, tables: Mapping[str, xr.Dataset]) -> xr.Dataset:

@@ -13,10 +13,13 @@ from granstudy.analysis.labels import PAPERS_OWN, families
 from granstudy.datasets.parameters import ABSENT
 from granstudy.model.methods import METHODS
 from granstudy.study.benchmark.front import fastest_within
-from granstudy.trust.flags import FLAGS, Status, flag_word
+from granstudy.trust.flags import FLAGS, Status, Trust, flag_word
 
-ALONE = {"C0", "seconds", "trust"}
+ALONE = {"C0", "seconds"}
 """Columns that belong to one run each; methods then get a line each."""
+
+JUDGED = {"truth", "state"}
+"""Attributes of tables that judge each run, which then has a line, with its status."""
 
 HIDDEN = ("has_paper", "reason")
 """Columns left out: `paper` is empty where `has_paper` is false, and reasons stand below the table."""
@@ -56,7 +59,7 @@ def github_table(
 
 def _shared_lines(table: xr.Dataset, swept: list[str]) -> bool:
     """Tell whether at least half of the lines would hold more than one method."""
-    if "method" not in swept or ALONE & set(table):
+    if "method" not in swept or ALONE & set(table) or JUDGED & set(table.attrs):
         return False
     runs = Counter(_cells(table, [name for name in swept if name != "method"])).values()
     return 2 * sum(count > 1 for count in runs) >= len(runs)
@@ -70,7 +73,7 @@ def _cells(table: xr.Dataset, names: Sequence[str]) -> list[tuple[str, ...]]:
 
 def _long(table: xr.Dataset, swept: list[str]) -> tuple[list[str], list[list[str]]]:
     """One line a run, all columns."""
-    hidden = (*HIDDEN, *(() if "trust" in table else ("status",)))
+    hidden = (*HIDDEN, *(() if JUDGED & set(table.attrs) else ("status",)))
     names = [str(name) for name in table.data_vars if name not in hidden]
     lines = [
         [*cells, *(_number(table, name, i) for name in names)]
@@ -97,7 +100,8 @@ def _across(table: xr.Dataset, swept: list[str], across: str) -> tuple[list[str]
         place = {values[i]: i for i in rows[key]}
         found = [place.get(value) for value in columns]
         some = next(i for i in found if i is not None)
-        cells = [*key, *_numbers(table, table.attrs["quantity"], found)]
+        numbers = _numbers(table, table.attrs["quantity"], found)
+        cells = [*key, *(f"{n}{_mark(table, i)}" for n, i in zip(numbers, found, strict=True))]
         if with_paper:
             cells += [_number(table, "paper", some), *_numbers(table, "ratio", found)]
         if with_order:
@@ -127,6 +131,14 @@ def _numbers(table: xr.Dataset, name: str, runs: Sequence[int | None]) -> list[s
     return ["" if i is None else _number(table, name, i) for i in runs]
 
 
+def _mark(table: xr.Dataset, i: int | None) -> str:
+    """The label of a run that is not trusted, behind its number."""
+    doubtful = (Trust.MARGINAL, Trust.UNTRUSTED)
+    if i is None or "trust" not in table or int(table["trust"][i]) not in doubtful:
+        return ""
+    return f" ({flag_word('trust', table['trust'][i])})"
+
+
 def _number(table: xr.Dataset, name: str, i: int) -> str:
     """Write a number to the digits that are worth reading."""
     value = table[name].values[i]
@@ -153,7 +165,10 @@ def _legend(table: xr.Dataset) -> list[str]:
     """Explain the quantity, list the fastest runs and the failures, and name fixed parameters."""
     quantity = table.attrs["quantity"]
     legend = column(quantity, _beside(table)).legend
-    meaning = legend or table[quantity].attrs.get("long_name", quantity)
+    own = table[quantity].attrs
+    meaning = legend or ", ".join(
+        text for text in (own.get("long_name", quantity), own.get("definition")) if text
+    )
     lines = [f"{quantity}: {meaning}."]
     if "paper" in table:
         lines[0] += " An empty cell under paper: the paper prints no number there."

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from granstudy.analysis.tables.markdown import github_table
 from granstudy.evolution.forecast import Forecast, plan
-from granstudy.runs.estimates import expected_evaluations, planned_scene
+from granstudy.runs.estimates import estimate_run, expected_evaluations, planned_scene
+from granstudy.runs.kinds import KINDS
 from granstudy.study.run import Run
 from granstudy.study.study import Study
 from granstudy.support.files import write_text
@@ -44,7 +45,7 @@ def study_forecasts(study: Study) -> list[Row]:
 
 
 def forecast(run: Run) -> Forecast:
-    """Forecast one run."""
+    """Forecast one run; seconds include those of runs that it makes on its way."""
     solver = replace(run.solver, threads=run.model.threads)
     time = run.time
     if time is None:
@@ -52,7 +53,10 @@ def forecast(run: Run) -> Forecast:
         evaluations = expected_evaluations(run.computation)
         further = (evaluations - one.evaluations) * one.seconds_per_evaluation
         return replace(one, evaluations=evaluations, seconds=one.seconds + further)
-    return plan(run.scene, solver, time.t_final, time.dt, time.time_rtol, time.scheme)
+    one = plan(run.scene, solver, time.t_final, time.dt, time.time_rtol, time.scheme)
+    if KINDS[run.computation.kind].parts(run.computation):
+        one = replace(one, seconds=estimate_run(run.computation).cost.seconds)
+    return one
 
 
 def write_plan(study: Study, md: str | Path, csv: str | Path) -> None:

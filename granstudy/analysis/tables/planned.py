@@ -13,6 +13,8 @@ from granstudy.analysis.columns import listed
 from granstudy.analysis.paper.printed import printed_quantity, with_paper
 from granstudy.analysis.source import TableSource
 from granstudy.analysis.tables.fits import check_fit
+from granstudy.analysis.tables.labels import FLAGS, labels_columns
+from granstudy.analysis.tables.labels import NUMBERS as LABELLED
 from granstudy.analysis.tables.runs import (
     check_average,
     check_quantity,
@@ -174,11 +176,22 @@ def _state(source: TableSource) -> xr.Dataset:
         raise ValueError(text if text.startswith("table.") else f"table.quantity: {text}") from None
 
 
+def _labels(source: TableSource) -> xr.Dataset:
+    count = len(source.rows)
+    flags = {name: ("run", np.zeros(count, np.int8)) for name in FLAGS}
+    numbers = xr.Dataset(flags | {name: _ones(count) for name in LABELLED})
+    others: dict[str, list[Any]] = {"truth": [""] * count, "seconds": [1.0] * count}
+    table = labels_columns(source.rows, numbers, others)
+    _check(source.quantity, table)
+    return table
+
+
 _PLANNED: dict[str, Callable[[TableSource], xr.Dataset]] = {
     "evolution": _evolution,
     "collision": _collision,
     "benchmark": _benchmark,
     "state": _state,
+    "labels": _labels,
 }
 
 

@@ -55,7 +55,8 @@ def evolution_columns(
     last = last.map(lambda v: v.where(ended) if v.dtype.kind == "f" else v, keep_attrs=True)
     last = last.assign(averages)
     beside = (*BESIDE, *(FITS[fit.law].beside if fit and fit.law in FITS else ()))
-    shown = (source.quantity, f"{source.quantity}_standard_error", *averages, *beside, "status")
+    own = (source.quantity, f"{source.quantity}_standard_error")
+    shown = (*own, *averages, *beside, "trust", "status")
     return with_swept(last[[name for name in dict.fromkeys(shown) if name in last]], rows)
 
 

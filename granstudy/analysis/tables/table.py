@@ -13,6 +13,7 @@ from granstudy.analysis.columns import reading_order
 from granstudy.analysis.paper.printed import printed_quantity, with_paper
 from granstudy.analysis.source import TableSource
 from granstudy.analysis.tables.fits import FITS, check_fit
+from granstudy.analysis.tables.labels import labels_table, markdown_labels
 from granstudy.analysis.tables.markdown import markdown_table
 from granstudy.analysis.tables.runs import (
     benchmark_table,
@@ -45,12 +46,15 @@ class Kind:
         `granstudy.analysis.columns.COLUMNS`.
     one_file : bool
         Whether all runs share one file; by default each has its own.
+    markdown : callable
+        Table ↦ its Markdown.
     """
 
     table: Callable[[TableSource], xr.Dataset]
     quantity: str
     as_built: bool = False
     one_file: bool = False
+    markdown: Callable[[xr.Dataset], str] = markdown_table
 
 
 def _evolution(source: TableSource) -> xr.Dataset:
@@ -63,6 +67,9 @@ KINDS: dict[str, Kind] = {
     "collision": Kind(collision_table, "collision_error"),
     "benchmark": Kind(benchmark_table, "seconds", one_file=True),
     "state": Kind(state_table, "a2", as_built=True),
+    "labels": Kind(
+        labels_table, "largest_temperature_error", as_built=True, markdown=markdown_labels
+    ),
 }
 """Kinds of runs, as a study file's ``run`` names them."""
 

@@ -101,6 +101,11 @@ class CarlemanOperator:
         """Pickled is what the operator is made from: the scene, the solver, the directions."""
         return type(self), self._recipe
 
+    @property
+    def fftw_wisdom(self) -> str:
+        """Hash of the wisdom that FFTW planned with; "" where it had none."""
+        return self._single.wisdom
+
     def _plan(self, threads: int) -> None:
         """Divide the products into shares, and give every thread its buffers and transforms."""
         self._shares = list(enumerate(split(len(self._filters.odd), SHARES)))

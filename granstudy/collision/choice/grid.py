@@ -69,7 +69,7 @@ def collision_radius(scene: Scene, rtol: float) -> float:
 
     R is raised until |f| on the faces of its box is at most rtol·max|f|.
     """
-    grid, f = _whole(scene)
+    grid, f = whole(scene)
     padded = (2 * grid.N,) * grid.dim
     pairs = scipy.fft.irfftn(np.abs(scipy.fft.rfftn(f, s=padded)) ** 2, s=padded)
     g = scipy.fft.fftfreq(2 * grid.N, 1 / (2 * grid.N * grid.spacing))
@@ -83,7 +83,7 @@ def collision_radius(scene: Scene, rtol: float) -> float:
     return float(R)
 
 
-def _whole(scene: Scene) -> tuple[VelocityGrid, np.ndarray]:
+def whole(scene: Scene) -> tuple[VelocityGrid, np.ndarray]:
     """A grid that holds all of the density (`EDGE`), and the density on it."""
     R = 4.0
     while R < LARGEST_R:

@@ -23,6 +23,7 @@ from granstudy.collision.rules import directions
 from granstudy.model.isotropy import check_isotropic
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver, Solver
+from granstudy.quadrature.rule import check_gauss_size
 from granstudy.support.machine import check_memory
 
 Make = Callable[[Scene, SizedSolver], CollisionOperator]
@@ -105,6 +106,8 @@ def maker(solver: Solver) -> Make:
 
 def check_fits(scene: Scene, solver: SizedSolver) -> None:
     """Raise ValueError, before anything large is allocated, for an operator that memory cannot hold."""
+    if solver.N_rho is not None and "N_rho" not in solver.traits.unused:
+        check_gauss_size("N_rho", solver.N_rho)
     needed = estimate(OPERATORS[solver.method].cost, scene, solver, evaluations=1).memory_mb
     sizes = solver.coordinates(scene.dim)
     played = {"N", "N_rho", "M_cir", "M_sph"} - solver.traits.unused

@@ -86,43 +86,53 @@ class GainSum:
         self.real = REAL[precision]
         self.nodes = nodes
         self.shape = grid.three_axis_shape
+        self._half_shape = (*self.shape[:2], grid.N // 2 + 1)
         self.shares = equal_shares(len(nodes)) if shares is None else list(shares)
         self.transforms = 2 * len(nodes)
         self._weights = nodes.weights / grid.N**grid.dim  # transforms are unnormalised
         k2, place = np.unique(grid.wavenumber_squared(half=True), return_inverse=True)
         self._place = place.reshape(grid.N, -1).astype(np.uint32)
-        self._f = aligned_zeros((grid.N * self.shape[1], grid.N), self.real)
         self._f_re, self._f_im = (aligned_zeros(self._place.shape, self.real) for _ in range(2))
-        self._gains = aligned_zeros((len(self.shares), *grid.half_spectrum_shape), np.complex128)
+        # Real and imaginary parts apart, which loops add to fastest.
+        self._gains = aligned_zeros((len(self.shares), 2, *self._place.shape), np.float64)
         self._sum = self._choose_weight(scene, k2)
         self._workers = Workers(
             min(threads, max(1, len(self.shares))),
             lambda: _PairBuffers(self.shape, precision),
         )
+        # The buffer of a thread that has summed is still in the cache.
+        idle = self._workers.workspaces[0].transforms.spectrum
+        self._total = idle if precision == "double" else np.empty(self._half_shape, np.complex128)
 
     def parts(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
-        """The sum over each share, half spectra (shares, n, n', n/2+1). The next call overwrites them.
+        """The sum over each share, half spectra (shares, n, n', n/2+1).
 
         ``f`` has shape (n, n', n); ``f_hat`` is its half spectrum, Σ_k f̂_k e^{iπk·v/L} = f.
         """
-        self._f[...] = f.reshape(self._f.shape)
-        self._f_re[...] = f_hat.real.reshape(self._f_re.shape)
-        self._f_im[...] = f_hat.imag.reshape(self._f_im.shape)
-
-        def sum_share(item: tuple[Bounds, np.ndarray], work: "_PairBuffers") -> None:
-            bounds, gain = item
-            self._sum(slice(*bounds), work, gain)
-
-        views = self._gains.view(np.float64).reshape(len(self.shares), self.grid.N, -1)
-        self._workers.map(sum_share, list(zip(self.shares, views, strict=True)))
-        return self._gains
+        self._sum_shares(f, f_hat)
+        gains = self._gains[:, 0] + 1j * self._gains[:, 1]
+        return gains.reshape(len(self.shares), *self._half_shape)
 
     def total(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
         """The sum over all nodes, a half spectrum (n, n', n/2+1). The next call overwrites it."""
-        parts = self.parts(f, f_hat)
-        for part in parts[1:]:
-            parts[0] += part
-        return parts[0]
+        self._sum_shares(f, f_hat)
+        loops.add_shares(self._gains, self._real_parts(self._total))
+        return self._total
+
+    def _sum_shares(self, f: np.ndarray, f_hat: np.ndarray) -> None:
+        """Fill `_gains` with the sum over each share."""
+        f = f.astype(self.real, copy=not f.flags.writeable).reshape(-1, self.grid.N)
+        loops.separate(self._real_parts(f_hat), 1.0, self._f_re, self._f_im)
+
+        def sum_share(item: tuple[Bounds, np.ndarray], work: "_PairBuffers") -> None:
+            bounds, (gain_re, gain_im) = item
+            self._sum(slice(*bounds), work, f, gain_re, gain_im)
+
+        self._workers.map(sum_share, list(zip(self.shares, self._gains, strict=True)))
+
+    def _real_parts(self, spectrum: np.ndarray) -> np.ndarray:
+        """Real and imaginary parts in turn of a half spectrum, shape (n, 2m)."""
+        return spectrum.view(np.float64).reshape(self.grid.N, -1)
 
     def transform(self) -> None:
         """Make the transforms of one sum on the same threads and nothing else, for benchmarks."""
@@ -150,9 +160,15 @@ class GainSum:
         return partial(self._sum_pairs, pair_shift(scene.restitution), means)
 
     def _sum_pairs(
-        self, beta: float, means: np.ndarray, part: slice, work: "_PairBuffers", gain: np.ndarray
+        self,
+        beta: float,
+        means: np.ndarray,
+        part: slice,
+        work: "_PairBuffers",
+        f: np.ndarray,
+        *gain: np.ndarray,
     ) -> None:
-        share = self._share(part, work, gain)
+        share = self._share(part, work, f, *gain)
         loops.sum_pairs(beta, means, work.sum_re, work.sum_im, *share)
 
     def _sum_series(
@@ -162,17 +178,20 @@ class GainSum:
         radii: np.ndarray,
         part: slice,
         work: "_PairBuffers",
-        gain: np.ndarray,
+        f: np.ndarray,
+        *gain: np.ndarray,
     ) -> None:
-        loops.sum_series(series, k2, radii, *self._share(part, work, gain))
+        loops.sum_series(series, k2, radii, *self._share(part, work, f, *gain))
 
-    def _share(self, part: slice, work: "_PairBuffers", gain: np.ndarray) -> tuple[np.ndarray, ...]:
+    def _share(
+        self, part: slice, work: "_PairBuffers", f: np.ndarray, *gain: np.ndarray
+    ) -> tuple[np.ndarray, ...]:
         """Arguments of the sum over a part of the nodes that do not depend on the weight."""
         nodes, transforms = self.nodes, work.transforms
         return (
-            *(self._f_re, self._f_im, self._f),
+            *(self._f_re, self._f_im, f),
             *(nodes.vectors[part], self._weights[part], nodes.shells[part], self._place),
-            *(transforms.parts, transforms.rows, transforms.plans, gain),
+            *(transforms.parts, transforms.rows, transforms.plans, *gain),
         )
 
 

@@ -96,6 +96,43 @@ def subtract_loss(gain, f, lost, Q):
             Q[j, k] = gain[j, k] - f[j, k] * lost[j, k]
 
 
+@_compile
+def separate(parts, scale, re, im):
+    """re + i·im = scale · parts, in the precision of ``re`` (n, m); ``parts`` (n, 2m)."""
+    n, m = re.shape
+    for i in range(n):
+        for q in range(m):
+            re[i, q] = scale * parts[i, 2 * q]
+            im[i, q] = scale * parts[i, 2 * q + 1]
+
+
+@_compile
+def scale_modes(factors, parts, out):
+    """out = factors · parts, mode by mode, for real factors (n, m); ``parts`` and ``out`` (n, 2m)."""
+    n, m = factors.shape
+    for i in range(n):
+        for q in range(m):
+            out[i, 2 * q] = factors[i, q] * parts[i, 2 * q]
+            out[i, 2 * q + 1] = factors[i, q] * parts[i, 2 * q + 1]
+
+
+@_compile
+def add_shares(gains, out):
+    """out = Σ_shares gains, shares one after the other; ``gains`` (shares, 2, n, m), ``out`` (n, 2m)."""
+    shares, _, n, m = gains.shape
+    re, im = np.empty(m), np.empty(m)
+    for i in range(n):
+        re[:] = 0.0
+        im[:] = 0.0
+        for share in range(shares):
+            for q in range(m):
+                re[q] += gains[share, 0, i, q]
+                im[q] += gains[share, 1, i, q]
+        for q in range(m):
+            out[i, 2 * q] = re[q]
+            out[i, 2 * q + 1] = im[q]
+
+
 @_inline
 def product(f_re, f_im, f, g, parts, rows, plans):
     """parts = spectrum of f(v) f(v−g), shape (n, 2m). ``rows`` is the same memory as a density."""
@@ -121,7 +158,8 @@ def sum_pairs(
     parts,
     rows,
     plans,
-    gain,
+    gain_re,
+    gain_im,
 ):
     """gain = sum over antipodal pairs ±g for a constant e.
 
@@ -134,11 +172,10 @@ def sum_pairs(
         weights, shells         (pairs,)
         place                   (n, m): place of a mode's |k|² among the distinct ones
         parts, rows, plans      a thread's transforms
-        gain                    (n, 2m), real and imaginary parts in turn
+        gain_re, gain_im        (n, m)
     """
-    gain[:] = 0.0
     last = len(vectors) - 1
-    opens = True
+    opens = first = True
     for b in range(last + 1):
         product(f_re, f_im, f, vectors[b], parts, rows, plans)
         closes = b == last or shells[b + 1] != shells[b]
@@ -149,13 +186,16 @@ def sum_pairs(
             beta,
             opens,
             closes,
+            first,
             means[shells[b]],
             place,
             sum_re,
             sum_im,
-            gain,
+            gain_re,
+            gain_im,
         )
         opens = closes
+        first = first and not closes
 
 
 @_inline
@@ -168,10 +208,13 @@ def pair_weight(c0, s0, c1, s1, pr, pi, q):
 
 
 @_inline
-def add_pair(parts, g, weight, beta, opens, closes, mean, place, sum_re, sum_im, gain):
+def add_pair(
+    parts, g, weight, beta, opens, closes, first, mean, place, sum_re, sum_im, gain_re, gain_im
+):
     """Add a pair to the sum over its shell.
 
-    A pair that ``opens`` its shell starts the sum from 0; one that ``closes`` it adds the sum to ``gain``.
+    A pair that ``opens`` its shell starts the sum from 0. One that ``closes`` it adds the sum to the gain;
+    the ``first`` shell starts the gain from 0.
     A shell with one pair needs no sum. The cosine times the half-shift is e^{i(½+β)k·g} + e^{i(½−β)k·g}:
     two outer products.
     """
@@ -190,12 +233,16 @@ def add_pair(parts, g, weight, beta, opens, closes, mean, place, sum_re, sum_im,
         if closes and i <= n // 2:
             spread_means(mean, place[i], n, ny, row_mean)
         c0, s0, c1, s1 = xr[0, i], xi[0, i], xr[1, i], xi[1, i]
+        if closes and first:
+            for q in range(m):
+                gain_re[i, q] = 0.0
+                gain_im[i, q] = 0.0
         if opens and closes:
             for q in range(m):
                 weight_re, weight_im = pair_weight(c0, s0, c1, s1, pr, pi, q)
                 re, im = row_mean[q] * parts[i, 2 * q], row_mean[q] * parts[i, 2 * q + 1]
-                gain[i, 2 * q] += weight_re * re - weight_im * im
-                gain[i, 2 * q + 1] += weight_re * im + weight_im * re
+                gain_re[i, q] += weight_re * re - weight_im * im
+                gain_im[i, q] += weight_re * im + weight_im * re
             continue
         if opens:
             for q in range(m):
@@ -208,8 +255,8 @@ def add_pair(parts, g, weight, beta, opens, closes, mean, place, sum_re, sum_im,
             sum_im[i, q] += weight_re * im + weight_im * re
         if closes:
             for q in range(m):
-                gain[i, 2 * q] += row_mean[q] * sum_re[i, q]
-                gain[i, 2 * q + 1] += row_mean[q] * sum_im[i, q]
+                gain_re[i, q] += row_mean[q] * sum_re[i, q]
+                gain_im[i, q] += row_mean[q] * sum_im[i, q]
 
 
 @_inline
@@ -227,7 +274,21 @@ def spread_means(mean, place, n, ny, row):
 
 @_compile
 def sum_series(
-    series, k2, radii, f_re, f_im, f, vectors, weights, shells, place, parts, rows, plans, gain
+    series,
+    k2,
+    radii,
+    f_re,
+    f_im,
+    f,
+    vectors,
+    weights,
+    shells,
+    place,
+    parts,
+    rows,
+    plans,
+    gain_re,
+    gain_im,
 ):
     """gain = sum over antipodal pairs ±g for a law e(|g·ω|), whose weight is a series in (k̂·ĝ)².
 
@@ -240,7 +301,8 @@ def sum_series(
     ny = m // nz
     xr, xi = np.empty(n), np.empty(n)
     pr, pi = np.empty(m), np.empty(m)
-    gain[:] = 0.0
+    gain_re[:] = 0.0
+    gain_im[:] = 0.0
     for b in range(len(vectors)):
         product(f_re, f_im, f, vectors[b], parts, rows, plans)
         gx, gy, gz = vectors[b]
@@ -265,8 +327,8 @@ def sum_series(
                 weight_re = value * (xr[i] * pr[q] - xi[i] * pi[q])
                 weight_im = value * (xr[i] * pi[q] + xi[i] * pr[q])
                 re, im = parts[i, 2 * q], parts[i, 2 * q + 1]
-                gain[i, 2 * q] += weight_re * re - weight_im * im
-                gain[i, 2 * q + 1] += weight_re * im + weight_im * re
+                gain_re[i, q] += weight_re * re - weight_im * im
+                gain_im[i, q] += weight_re * im + weight_im * re
 
 
 @_compile

@@ -57,8 +57,9 @@ class NodalOperator:
         self.gain = gain
         self.group = group
         self._one_at_a_time = OneAtATime()
-        self._loss = loss.astype(np.complex128)  # NumPy multiplies complex by complex fastest
+        self._loss = np.ascontiguousarray(loss, dtype=np.float64)
         self._shape = grid.three_axis_shape
+        self._f_hat = np.empty(loss.shape, dtype=np.complex128)
         self._single = RealTransforms(self._shape)
         self._lost = RealTransforms(self._shape)
         self._inner = self._single if gain.grid == grid else RealTransforms(gain.shape)
@@ -73,7 +74,7 @@ class NodalOperator:
         with self._one_at_a_time:
             Q = self._evaluate(np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape))
         # The loss has the symmetry already. Symmetrised with the gain, its round-off has it too.
-        return self.group.symmetrise(Q.reshape(self.grid.shape))
+        return self.group.symmetrise(Q.reshape(self.grid.shape), in_place=True)
 
     def _evaluate(self, f: np.ndarray) -> np.ndarray:
         """Q(f,f) before it is symmetrised."""
@@ -112,18 +113,25 @@ class NodalOperator:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickled is what the operator is made from: the gain with its nodes, the group, the loss."""
-        return type(self), (self.grid, self.gain, self.group, self._loss.real)
+        return type(self), (self.grid, self.gain, self.group, self._loss)
+
+    @property
+    def fftw_wisdom(self) -> str:
+        """Hash of the wisdom that FFTW planned with; "" where it had none."""
+        return self._single.wisdom
 
     def _spectrum(self, f: np.ndarray) -> np.ndarray:
-        """f̂ with Σ_k f̂_k e^{iπk·v/L} = f."""
+        """f̂ with Σ_k f̂_k e^{iπk·v/L} = f. The next call overwrites it."""
         self._single.density[...] = f
         self._single.execute_forward()
-        return np.asarray(self._single.spectrum * (1.0 / f.size))
+        return np.multiply(self._single.spectrum, 1.0 / f.size, out=self._f_hat)
 
     def _filter_loss(self, f_hat: np.ndarray) -> None:
         """Fill `_lost` with the density that the loss multiplies f by."""
-        np.multiply(self._loss, f_hat, out=self._lost.spectrum)
-        self._lost.execute_backward()
+        lost, rows = self._lost, (self.grid.N, -1)
+        parts = f_hat.view(np.float64).reshape(rows)
+        loops.scale_modes(self._loss.reshape(rows), parts, lost.parts)
+        lost.execute_backward()
 
     def _gain_spectrum(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
         n = self.gain.grid.N

@@ -46,16 +46,21 @@ class Workers(Generic[Workspace]):
     """The caller's thread and a pool of others, each with a workspace: buffers and planned transforms.
 
     One call of `map` at a time. A forked child has a pool of its own.
+
+    Attributes
+    ----------
+    workspaces : list
+        The caller's workspace first; between calls of `map` nothing uses them.
     """
 
     def __init__(self, threads: int, make_workspace: Callable[[], Workspace]) -> None:
-        self._workspaces = [make_workspace() for _ in range(min(threads, SHARES))]
+        self.workspaces = [make_workspace() for _ in range(min(threads, SHARES))]
         self.start_anew()
         _of_this_process.add(self)
 
     def start_anew(self) -> None:
         """Take a new pool: threads of a process do not live in its forked child."""
-        self._pool = ThreadPoolExecutor(max(1, len(self._workspaces) - 1))
+        self._pool = ThreadPoolExecutor(max(1, len(self.workspaces) - 1))
         self._at_work: list[Future[None]] = []
 
     def map(
@@ -75,10 +80,10 @@ class Workers(Generic[Workspace]):
         # A copy of the caller's context for each: it says what NumPy does about overflow.
         self._at_work = [
             self._pool.submit(copy_context().run, take_shares, workspace)
-            for workspace in self._workspaces[1 : len(shares)]
+            for workspace in self.workspaces[1 : len(shares)]
         ]
         try:
-            take_shares(self._workspaces[0])
+            take_shares(self.workspaces[0])
         finally:
             wait(self._at_work)
         for other in self._at_work:

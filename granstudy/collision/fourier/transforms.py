@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pyfftw
 
-from granstudy.collision.fourier import fftw
+from granstudy.collision.fourier import fftw, wisdom
 
 REAL: dict[str, np.dtype[Any]] = {"double": np.dtype(np.float64), "single": np.dtype(np.float32)}
 """Type of real numbers for each precision (`Solver.precision`)."""
@@ -37,6 +37,8 @@ class RealTransforms:
         The density's rows with their padding.
     plans : ndarray
         Plans of both transforms, for compiled loops (`granstudy.collision.fourier.fftw`).
+    wisdom : str
+        Hash of the wisdom that FFTW planned with; "" where it had none.
     """
 
     def __init__(self, shape: tuple[int, int, int], precision: str = "double") -> None:
@@ -47,7 +49,9 @@ class RealTransforms:
         self.parts = self.spectrum.view(real).reshape(nx, -1)
         self.density = self.spectrum.view(real)[..., :nz]
         self.rows = self.parts.reshape(nx * ny, -1)
-        self.plans = fftw.plan_in_place(self.spectrum, nz)
+        planner = wisdom.planner()
+        self.plans = fftw.for_buffer(planner.plans(self.spectrum, nz), self.spectrum)
+        self.wisdom = planner.wisdom.digest
 
     @property
     def made(self) -> int:

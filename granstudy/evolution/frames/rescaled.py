@@ -79,11 +79,17 @@ class RescaledFrame:
         phi = np.concatenate(list(invariants.values())) * form.grid.measure
         self._moments = phi.reshape(len(phi), -1)
 
-    def start(self, f: np.ndarray) -> np.ndarray:
-        """The state of an initial density f: g = f, θ = 1."""
+    def start(self, f: np.ndarray, place: Place | None = None) -> np.ndarray:
+        """The state of a density g = f; the frame at a ``place``, or where f is initial, at θ = 1."""
+        if place is not None:
+            return self._join(self.form.state(f), *place)
         m = self.form.grid.velocity_moments(f)
         bulk = self._velocity + m.momentum / m.density
         return self._join(self.form.state(f), 0.0, 0.0, bulk)
+
+    def place(self, state: np.ndarray) -> Place:
+        """Where the frame is."""
+        return self._split(state)[1]
 
     def rate(self, state: np.ndarray, taken_off: float = 0.0) -> np.ndarray:
         """The rate of change of a state, less ``taken_off`` Δg."""

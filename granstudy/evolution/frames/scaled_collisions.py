@@ -11,6 +11,7 @@ from granstudy.evolution.unknowns import collisions
 from granstudy.model.restitution import ScaledRestitution, check_restitution
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver
+from granstudy.support.errors import LawRangeError, NotFiniteError
 
 Collisions = Callable[[np.ndarray], np.ndarray]
 """g ↦ Q(g,g)."""
@@ -55,6 +56,8 @@ class InterpolatedCollisions:
 
     def __call__(self, g: np.ndarray, scale: float) -> np.ndarray:
         """Q(g,g) of particles with restitution e(θ|g·ω|); ``scale`` is θ."""
+        if not (np.isfinite(scale) and scale > 0.0):
+            raise NotFiniteError(f"scale={scale!r}: must be positive and finite")
         x = np.log(scale) / SPACING
         places = int(np.floor(x)) - (POINTS // 2 - 1) + np.arange(POINTS)
         weights = lagrange_weights(places, x)
@@ -69,6 +72,12 @@ class InterpolatedCollisions:
             law = self._scene.restitution
             assert callable(law)
             scaled = ScaledRestitution(law, float(np.exp(place * SPACING)))
+            try:
+                check_restitution(scaled, self._solver.R)
+            except ValueError as error:
+                raise LawRangeError(
+                    f"{error}; the gas moves at speeds that its law is not for"
+                ) from None
             operator = collision_operator(replace(self._scene, restitution=scaled), self._solver)
             self._made[place] = collisions(operator)
         return self._made[place]

@@ -2,7 +2,6 @@
 
 import math
 import pickle
-import resource
 import statistics
 import subprocess
 import sys
@@ -11,9 +10,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import psutil
+
 from granstudy.collision.operator import collision_operator
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
+
+try:
+    from resource import RUSAGE_SELF, getrusage
+except ImportError:  # Windows
+    HAS_RUSAGE = False
+else:
+    HAS_RUSAGE = True
 
 STATUS = Path("/proc/self/status")
 
@@ -85,4 +93,6 @@ def _peak_kilobytes() -> int:
     if STATUS.is_file():
         lines = STATUS.read_text().splitlines()
         return int(next(line for line in lines if line.startswith("VmHWM")).split()[1])
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    if HAS_RUSAGE:
+        return getrusage(RUSAGE_SELF).ru_maxrss // 1024  # macOS says bytes
+    return psutil.Process().memory_info().peak_wset // 1024

@@ -1,11 +1,12 @@
 """One experiment of a study file: runs of one kind, swept. A class a kind, told apart by ``run``."""
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from granstudy.study.schema.generated import OLD_WORDS, Section
 from granstudy.study.schema.sections import (
+    AccuracyModel,
     RangeModel,
     RefineModel,
     SceneFields,
@@ -19,6 +20,9 @@ from granstudy.study.schema.sweeps import read_sweep, values_of
 from granstudy.study.schema.words import SWEPT
 from granstudy.support.errors import nearest
 from granstudy.support.own_code.load import is_reference
+
+SEED = "seed"
+"""The one parameter of random runs."""
 
 
 class TruthModel(Section):
@@ -120,23 +124,29 @@ class FigureModel(Section):
     """What is drawn; the kinds are those of `granstudy.analysis.figures.figure.FIGURES`."""
 
     kind: str
-    x: Annotated[str | None, Field(description="the parameter on the abscissa")] = None
+    x: Annotated[
+        str | None,
+        Field(description="the parameter on the abscissa; for a quantity also time, its default"),
+    ] = None
+    y: Annotated[str | None, Field(description="for a map: the parameter on the ordinate")] = None
+    quantity: Annotated[
+        str | None,
+        Field(description="for a quantity or a map: any number of the runs; default: the table's"),
+    ] = None
     title: Annotated[str | None, Field(description="default: the experiment's")] = None
     beside: list[str] = Field(
         [], description="for a front or states: other experiments, panels beside this one's"
     )
 
 
-class ExperimentBase(Section):
-    """What experiments of every kind have: a scene and a solver, swept."""
+class SweptExperiment(Section):
+    """What experiments of every kind have: a title, a sweep, and what is made of the runs."""
 
     same_parameters: ClassVar[bool] = True
     """Whether all blocks of the sweep must set the same parameters."""
 
     title: str
     run: str
-    scene: SceneModel
-    solver: SolverModel = SolverModel()
     threads: Annotated[int, Field(ge=1, description="cores a run takes")] = 1
     sweep: Annotated[
         list[dict[str, RangeModel | Value | list[Value]]],
@@ -168,7 +178,7 @@ class ExperimentBase(Section):
         return [] if self.figure is None else self.figure.beside
 
     @model_validator(mode="after")
-    def _sweeps_parameters(self) -> "ExperimentBase":
+    def _sweeps_parameters(self) -> "SweptExperiment":
         keys = [tuple(sorted(block)) for block in self.sweep]
         for block in self.sweep:
             for key in block:
@@ -176,6 +186,28 @@ class ExperimentBase(Section):
         if len(set(keys)) > 1 and self.same_parameters:
             raise ValueError(f"sweep: all blocks must set the same parameters, got {keys}")
         return self
+
+    def _check_swept(self, key: str) -> None:
+        """Raise ValueError for a word that such runs do not sweep; here every word is good."""
+
+
+class ExperimentBase(SweptExperiment):
+    """What experiments have whose runs the study file spells out: a scene and a solver."""
+
+    scene: SceneModel
+    solver: SolverModel = SolverModel()
+    accuracy: Annotated[
+        float | AccuracyModel | None,
+        Field(description="in place of a solver: accuracy of T, or of temperature and a2"),
+    ] = None
+
+    @property
+    def solver_words(self) -> dict[str, Any]:
+        """What the experiment says of its solver; an accuracy is one."""
+        words = self.solver.model_dump(exclude_none=True)
+        if isinstance(self.accuracy, AccuracyModel):
+            return words | self.accuracy.words
+        return words if self.accuracy is None else words | {"accuracy": self.accuracy}
 
     def _check_swept(self, key: str) -> None:
         if key not in SWEPT and not self._has_own_code:
@@ -271,8 +303,29 @@ class StateExperiment(ExperimentBase):
         return [] if self.table is None else self.table.beside
 
 
+class LabelsExperiment(SweptExperiment):
+    """Random runs beside their truths, each drawn by its seed (`granstudy.runs.labels.cases`)."""
+
+    run: Literal["labels"]
+
+    @model_validator(mode="after")
+    def _has_a_table_alone(self) -> "LabelsExperiment":
+        for field in ("fit", "figure"):
+            if getattr(self, field) is not None:
+                raise ValueError(f"{field}: random runs have a table alone; leave {field} out")
+        return self
+
+    def _check_swept(self, key: str) -> None:
+        if key != SEED:
+            raise ValueError(f"sweep: {key!r}: random runs sweep {SEED} alone")
+
+
 Experiment = Annotated[
-    EvolutionExperiment | CollisionExperiment | BenchmarkExperiment | StateExperiment,
+    EvolutionExperiment
+    | CollisionExperiment
+    | BenchmarkExperiment
+    | StateExperiment
+    | LabelsExperiment,
     Field(discriminator="run"),
 ]
 """Runs of one kind, swept."""

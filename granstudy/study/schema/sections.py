@@ -225,6 +225,29 @@ class TimeModel(TimeFields):
     t_final: float
 
 
+class AccuracyModel(Section):
+    """Largest errors that T and a2 of a run may have."""
+
+    temperature: Annotated[
+        float | None, Field(gt=0.0, description="error of T, relative; default a tenth of a2's")
+    ] = None
+    a2: Annotated[float | None, Field(gt=0.0, description="error of a2; default ten times T's")] = (
+        None
+    )
+
+    @model_validator(mode="after")
+    def _at_least_one(self) -> "AccuracyModel":
+        if self.temperature is None and self.a2 is None:
+            raise ValueError("temperature, a2: give one, or both")
+        return self
+
+    @property
+    def words(self) -> dict[str, float]:
+        """The words of a solver that asks for it."""
+        named = {"accuracy": self.temperature, "a2_accuracy": self.a2}
+        return {name: value for name, value in named.items() if value is not None}
+
+
 class RefineModel(Section):
     """A ladder of N or R that every run goes up until its answer no longer changes."""
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import granstudy as gs
-from granstudy.analysis.tables.fits import local_slope
 from granstudy.datasets.netcdf import run_seconds
+from granstudy.reading.cooling import local_slope
 
 STUDY = """
 title: decades

@@ -100,8 +100,8 @@ def test_speed_shows_threads_and_the_paper(table_of):
 
 def test_cooling_shows_runs_and_their_fits_with_densities_kept_on_any_grids(table_of, tmp_path):
     files = []
-    for e, N in ((0.2, 8), (0.8, 12)):
-        scene = gs.load_scene("bkw2d", restitution=e)
+    for e, N in ((0.2, 16), (0.8, 20)):
+        scene = gs.load_scene("bkw2d", restitution=e, exponent=1.0)
         solver = gs.Solver(N=N, R=7.8, N_rho=6, M_cir=6, threads=1)
         files.append(tmp_path / f"{e}.nc")
         ds = gs.simulate(scene, solver, t_final=0.5, dt=0.1, save_every=2)

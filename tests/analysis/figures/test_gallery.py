@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import granstudy as gs
-from granstudy.analysis.figures.gallery import interpolation, thermal_profile
+from granstudy.analysis.figures.gallery import thermal_profile
 
 
 @pytest.mark.parametrize("frame", ["fixed", "rescaled"])
@@ -26,13 +26,3 @@ def test_there_is_none_without_a_density():
     solver = gs.Solver(N=8, R=8.0, method="radial")
     ds = gs.simulate(scene, solver, t_final=0.1, dt=0.1, progress=False)
     assert thermal_profile(ds) is None
-
-
-def test_interpolation_is_exact_for_what_the_nodes_represent():
-    nodes = -3.0 + 0.5 * (np.arange(12) + 0.5)
-    for x in (0.0, 0.13, nodes[3]):
-        for k in range(6):
-            wave = np.cos(2 * np.pi * k * nodes / 6.0 + 0.4)
-            assert interpolation(nodes, x) @ wave == pytest.approx(
-                np.cos(2 * np.pi * k * x / 6.0 + 0.4)
-            )

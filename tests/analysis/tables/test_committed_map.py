@@ -10,7 +10,7 @@ from granstudy.study.study import load_study
 from granstudy.trust.flags import Status, Trust
 
 REPOSITORY = Path(__file__).parents[3]
-MAP = pd.read_csv(REPOSITORY / "results/hard/tables/map.csv")
+MAP = pd.read_csv(REPOSITORY / "docs/results/hard/tables/map.csv")
 
 
 @pytest.mark.parametrize("row", MAP.to_dict("records"), ids=lambda row: row["case"])
@@ -22,7 +22,7 @@ def test_no_label_breaks_the_rule(row):
 
 
 def test_every_case_has_its_runs_and_one_to_trust_beside_the_fixed_grid():
-    study = load_study(REPOSITORY / "workflow/config/hard.yaml")
+    study = load_study(REPOSITORY / "studies/hard.yaml")
     for name, runs in study.runs.items():
         rows = MAP[MAP["case"] == name]
         assert len(rows) == sum(not run.is_reference for run in runs.values())

@@ -52,3 +52,15 @@ def test_a_run_that_ended_early_says_so_and_absent_parameters_stay_empty(table_o
         ["radial", "", "1e-07", "0.25", "1"],
     ]
     assert "diverged: the run could not reach the final time." in text
+
+
+def test_numbers_side_by_side_tell_which_are_not_trusted(table_of):
+    rows = [(8, "fast", 2e-3), (8, "literal", 3e-3), (16, "fast", 4e-4), (16, "literal", 5e-4)]
+    table = table_of(rows, ["N", "method"], "temperature_error")
+    table["status"] = ("run", np.zeros(4, dtype=np.int8))
+    table["trust"] = ("run", np.array([0, 1, 2, 2], dtype=np.int8))
+    assert cells(markdown_table(table)) == [
+        ["N", "literal", "fast"],
+        ["8", "3.000e-03 (marginal)", "2.000e-03 (untrusted)"],
+        ["16", "5.000e-04", "4.000e-04"],
+    ]

@@ -7,7 +7,7 @@ import pytest
 
 import granstudy as gs
 from granstudy import theory
-from granstudy.analysis.figures.states import NOT_TRUSTED, UNIT
+from granstudy.analysis.figures.states import UNIT
 from granstudy.analysis.tables.markdown import markdown_table
 from granstudy.analysis.tables.plan import study_forecasts
 from granstudy.analysis.tables.table import csv_table, write_table
@@ -137,12 +137,14 @@ def test_a_figure_shows_table_and_theory(made):
     segment = bars.lines[2][0].get_segments()[1]
     width = 4 * float(found["cooling"]["a2_particles_standard_error"][1]) / UNIT
     assert segment[1, 1] - segment[0, 1] == pytest.approx(width)
-    upper, lower = made.draw("maxwell").axes
+    _, lower = made.draw("maxwell").axes
     assert lower.get_yscale() == "log"
     coarse = next(line for line in lower.lines if line.get_label() == "$N$ = 14, $R$ = 8")
     np.testing.assert_array_equal(coarse.get_ydata(), found["maxwell"]["a2_error"][:2])
-    untrusted = [line for line in upper.lines if line.get_label() == NOT_TRUSTED]
-    assert bool(untrusted) == bool(np.any(found["maxwell"]["trust"] != Trust.TRUSTED))
+    labels = [text.get_text() for text in made.draw("maxwell").legends[0].get_texts()]
+    trust = found["maxwell"]["trust"].values
+    for label in (Trust.MARGINAL, Trust.UNTRUSTED):
+        assert (label.name.lower() in labels) == bool((trust == label).any())
 
 
 def test_a_figure_needs_states(made):

@@ -45,3 +45,17 @@ def test_a_density_that_does_not_vanish():
     scene = gs.Scene(2, lambda vx, vy: 1.0 / (1.0 + vx**2 + vy**2), gs.maxwell(2), 0.5)
     with pytest.raises(ValueError, match="does not vanish within R=1000"):
         gs.fit_solver(scene, 1e-2)
+
+
+@pytest.mark.fault("L7")
+@pytest.mark.parametrize(("name", "rtol"), [("maxwellian2d", 1e-6), ("bkw2d", 1e-5)])
+def test_a_fitted_solver_makes_an_operator_or_the_refusal_says_why(name, rtol):
+    scene = gs.load_scene(name, restitution=0.5)
+    try:
+        operator = gs.collision_operator(scene, gs.fit_solver(scene, rtol, threads=1))
+    except ValueError as refusal:
+        said = str(refusal)
+        assert f"rtol={rtol!r}" in said and "take a larger" in said
+        assert "aliasing keeps" not in said  # the grid was chosen so that it does not
+    else:
+        assert operator.plan.error <= rtol

@@ -12,6 +12,7 @@ from granstudy.evolution.frames.rescaled import RescaledFrame, balance
 from granstudy.evolution.frames.scaled_collisions import SPACING, InterpolatedCollisions
 from granstudy.evolution.unknowns import collisions, representation
 from granstudy.model.restitution import ScaledRestitution
+from granstudy.trust.flags import Status
 from granstudy.velocity.sphere import sphere_area
 
 RADIAL = gs.Solver(N=28, R=8.0, method="radial")
@@ -187,6 +188,7 @@ MOTION_CASES = {
 }
 
 
+@pytest.mark.fault("L1")
 @pytest.mark.parametrize("case", MOTION_CASES, ids=str)
 def test_the_motion_of_the_frame_does_not_carry_noise_into_a2(case):
     """A spectral ∇·(c g) moved what f does between nodes onto nodes: 0.17, 3e-3 and 2.4e-2 in a2."""
@@ -245,3 +247,12 @@ def test_q_is_interpolated_in_the_scale_at_order_four(monkeypatch):
         errors.append(np.max(np.abs(Q - exact)) / np.max(np.abs(exact)))
     orders = np.diff(np.log(errors)) / np.diff(np.log(spacings))
     assert orders[-1] > 3.5 and errors[-1] < 1e-3, (orders, errors)
+
+
+def test_a_gas_that_outgrows_its_law_ends_with_a_dataset():
+    law = gs.Viscoelastic(0.3)
+    scene = gs.load_scene("maxwellian2d", restitution=law, exponent=1.0, diffusion=20.0)
+    solver = gs.Solver(N=16, R=7.0, N_rho=4, M_cir=4, method="fast")
+    ds = gs.simulate(scene, solver, t_final=10.0, dt=0.1, frame="rescaled", progress=False)
+    assert ds["status"] == Status.DIVERGED and 1 < ds.sizes["time"] < 101
+    assert "must lie between 0 and 1" in ds["status"].attrs["reason"]

@@ -28,6 +28,7 @@ def nine_fold(levels):
     return "\n".join(lines)
 
 
+@pytest.mark.fault("A11")
 @pytest.mark.parametrize(
     ("content", "message"),
     [

@@ -21,9 +21,12 @@ PROBE = 3
 PROBE_SHELLS = 12
 """Number of shells that aliasing is measured with."""
 
-SIZES = (8, 12, 16, 20, 32, 40, 48, 64, 96, 128)
-"""Points per dimension of the grids on which products may be formed. Sizes between 20 and 32 are excluded:
-FFTW's real transforms of 32³ points take less time than those of 22³ to 30³."""
+SIZES = (8, 10, 12, 14, 16, 20, 24, 32, 36, 40, 48, 64, 72, 80, 96, 128)
+"""Points per dimension of the grids on which products may be formed.
+
+A size is left out where the next larger one takes about as little time with the plans of `granstudy tune`
+(docs/results/checks/fft_plans.csv): 18, 22, 26 to 30, 42, 44, 50 to 60. Without such plans the
+sizes are the same: what a run chooses does not depend on them."""
 
 
 class Aliasing(NamedTuple):

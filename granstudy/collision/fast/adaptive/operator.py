@@ -53,6 +53,11 @@ class AdaptiveOperator:
         """The symmetry that densities must have."""
         return self.operator.group
 
+    @property
+    def fftw_wisdom(self) -> str:
+        """Hash of the wisdom that FFTW planned with; "" where it had none."""
+        return self.operator.fftw_wisdom
+
     def transform(self) -> None:
         """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
         with self._one_at_a_time:
@@ -72,9 +77,13 @@ class AdaptiveOperator:
             If the tolerance cannot be reached. The quadrature then stays as it was.
         """
         plan = make_plan(self.scene, self.solver, f)
+        self.use(plan)
+        return plan
+
+    def use(self, plan: QuadraturePlan) -> None:
+        """Take a quadrature that was chosen before."""
         with self._one_at_a_time:
             self._use(plan)
-        return plan
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickled are the scene, the solver and the plan in use: nothing is chosen again."""

@@ -1,6 +1,7 @@
 """The quadrature that a tolerance leads to: shells and their rules, as plain data."""
 
 import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
@@ -64,6 +65,14 @@ class QuadraturePlan:
         """The plan as plain data, for a dataset's attributes."""
         return dataclasses.asdict(self)
 
+    @classmethod
+    def of(cls, described: Mapping[str, Any]) -> "QuadraturePlan":
+        """The plan that `describe` described, by JSON or not; other keys do not count."""
+        names = [field.name for field in dataclasses.fields(cls)]
+        fields = {name: described[name] for name in names}
+        shells = {name: tuple(fields[name]) for name in ("radii", "sizes")}
+        return cls(**fields | shells)
+
     def __repr__(self) -> str:
         cells = [(f"{rho:.2f}", str(M)) for rho, M in zip(self.radii, self.sizes, strict=True)]
         widths = [max(map(len, cell)) for cell in cells]
@@ -92,3 +101,6 @@ class TunedOperator(CollisionOperator, Protocol):
 
     def tune(self, f: np.ndarray) -> "QuadraturePlan":
         """Choose the quadrature anew, for this density."""
+
+    def use(self, plan: "QuadraturePlan") -> None:
+        """Take a quadrature that was chosen before."""

@@ -1,10 +1,11 @@
 """Checks during a run that a quadrature chosen for the initial density still meets the tolerance."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from granstudy.collision.fast.adaptive.plan import TunedOperator
+from granstudy.collision.fast.adaptive.plan import QuadraturePlan, TunedOperator
 from granstudy.collision.protocol import CollisionOperator
 from granstudy.support.errors import ToleranceError
 
@@ -32,6 +33,15 @@ class Tuning:
         self._operator = operator if isinstance(operator, TunedOperator) else None
         self.plans: list[dict[str, Any]] = []
         self._record(0.0)
+
+    def resume(self, plans: Sequence[dict[str, Any]]) -> None:
+        """Go on with the last of these plans, which were in use until now."""
+        if self._operator is None:
+            return
+        last = QuadraturePlan.of(plans[-1])
+        if last != self._operator.plan:
+            self._operator.use(last)
+        self.plans[:] = plans
 
     def review(self, step: int, time: float, f: np.ndarray) -> dict[str, str]:
         """Check the quadrature at `FIRST_CHECK` and every `CHECK_EVERY` steps, and tune it anew where needed.

@@ -7,6 +7,7 @@ The quadrature error of Q is a sum over shells, and is measured for one density 
 3. A finer quadrature verifies the choice.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -61,51 +62,67 @@ ATTEMPTS = 5
 def make_plan(scene: Scene, solver: SizedSolver, f: np.ndarray) -> QuadraturePlan:
     """The cheapest quadrature found whose error of Q(f,f) is under rtol, moments included (`ErrorScale`).
 
+    It is searched on the smallest grid that resolves f with little aliasing, and on the next larger one where
+    that fails, up to the solver's own.
+
     Raises
     ------
     ToleranceError
         If aliasing on the solver's grid keeps the sums from settling to rtol, or no rules reach it.
     """
+    failed: ToleranceError | None = None
+    for small, f_n, probe in _quiet_grids(scene, solver, f):
+        try:
+            plan = _plan_on(scene, small, f_n, probe)
+        except ToleranceError as error:
+            failed = error
+        else:
+            return _choose_grid(scene, solver, replace(plan, N=solver.N), f)
+    assert failed is not None
+    raise failed
+
+
+def _plan_on(scene: Scene, solver: SizedSolver, f: np.ndarray, probe: Aliasing) -> QuadraturePlan:
+    """The cheapest quadrature found on the solver's grid, where ``probe`` measured aliasing."""
     assert solver.rtol is not None
-    small, f_n, probe = _quiet_grid(scene, solver, f)
     noise = probe.kept
-    N_rho = _radial_size(scene, small, f_n, RADIAL_PART * solver.rtol + noise / 2)
+    N_rho = _radial_size(scene, solver, f, RADIAL_PART * solver.rtol + noise / 2)
     settled = (SETTLED * solver.rtol + noise / 10) * probe.scale
     bound = (TARGET - RADIAL_PART / 2) * solver.rtol
     best: QuadraturePlan | None = None
-    parts, costs = _measure(scene, small, f_n, N_rho, settled)
-    scale = ErrorScale(small.grid(scene.dim), probe.Q, probe.scale)
+    parts, costs = _measure(scene, solver, f, N_rho, settled)
+    scale = ErrorScale(solver.grid(scene.dim), probe.Q, probe.scale)
     for _ in range(ATTEMPTS):
         samples = [scale.samples(part - part[-1]) for part in parts]
         choices = allocate([errors for errors, _ in samples], costs, bound, samples[0][1])
-        plan = describe_plan(scene, small, [choice - 1 if choice else None for choice in choices])
-        finer = planned_operator(scene, small, refine(scene, small, plan))
-        error = quadrature_error(planned_operator(scene, small, plan), finer, f_n)
+        plan = describe_plan(scene, solver, [choice - 1 if choice else None for choice in choices])
+        finer = planned_operator(scene, solver, refine(scene, solver, plan))
+        error = quadrature_error(planned_operator(scene, solver, plan), finer, f)
         stuck = best is not None and error > 0.8 * best.error
         if best is None or error < best.error:
-            best = replace(plan, N=solver.N, error=error, aliasing=probe.everywhere)
+            best = replace(plan, error=error, aliasing=probe.everywhere)
         if error <= TARGET * solver.rtol:
             break
         if stuck or error > solver.rtol:  # better rules do not help: the radii are too few
             N_rho += 1
-            parts, costs = _measure(scene, small, f_n, N_rho, settled)
+            parts, costs = _measure(scene, solver, f, N_rho, settled)
         else:
             bound *= TARGET * solver.rtol / error
     assert best is not None
     if best.error <= solver.rtol:
-        return _choose_grid(scene, solver, best, f)
+        return best
     raise ToleranceError(
         f"rtol={solver.rtol!r}: no rules found on N={solver.N} have an error below {best.error:.1e} of "
         f"max|Q|, though aliasing is {probe.kept:.1e}; take a larger rtol, or give N_rho and M_sph (M_cir)"
     )
 
 
-def _quiet_grid(
+def _quiet_grids(
     scene: Scene, solver: SizedSolver, f: np.ndarray
-) -> tuple[SizedSolver, np.ndarray, Aliasing]:
-    """The solver on the smallest grid that resolves f with little aliasing (`QUIET`), or on its own grid.
+) -> Iterator[tuple[SizedSolver, np.ndarray, Aliasing]]:
+    """The solver on grids that resolve f with little aliasing (`QUIET`), smallest first, and on its own grid.
 
-    Returns the solver with that grid, f on it, and the aliasing there.
+    Each with f on that grid, and the aliasing there.
 
     Raises
     ------
@@ -117,7 +134,7 @@ def _quiet_grid(
         small = replace(solver, N=n)
         probe = aliasing(scene, small, f_n)
         if probe.kept <= QUIET * solver.rtol:
-            break
+            yield small, f_n, probe
     if probe.kept > solver.rtol:
         cause = "round-off" if solver.dealias else "aliasing"
         remedy = "" if solver.dealias else ", or dealias=True"
@@ -125,7 +142,8 @@ def _quiet_grid(
             f"rtol={solver.rtol!r}: on N={solver.N} {cause} keeps the sums over directions from settling "
             f"below {probe.kept:.1e} of max|Q|; take a larger N or a larger rtol{remedy}"
         )
-    return small, f_n, probe
+    if probe.kept > QUIET * solver.rtol:
+        yield small, f_n, probe
 
 
 def _radial_size(scene: Scene, solver: SizedSolver, f: np.ndarray, tolerance: float) -> int:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from granstudy.collision.fast.gain import pair_shift, shell_means
-from granstudy.collision.fast.gpu.device import Device, check_scene
+from granstudy.collision.fast.gpu.device import Device, check_scene, find_gpu
 from granstudy.collision.fast.nodes import Nodes
 from granstudy.collision.fourier.transforms import REAL
 from granstudy.model.scene import Scene
@@ -62,6 +62,7 @@ class DeviceGainSum:
     ) -> None:
         check_scene(scene)
         assert not callable(scene.restitution)
+        self._recipe = (scene, grid, nodes, precision, memory)
         self.grid = grid
         self.nodes = nodes
         self.shape = grid.three_axis_shape
@@ -83,6 +84,10 @@ class DeviceGainSum:
         means = shell_means(scene.restitution, grid.dim, nodes, np.pi / grid.L * np.sqrt(k2))
         self._means = self._put(means[:, place.reshape(self._half)], self._real)
         self._shells = device.put(nodes.shells)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled is what the sum is made from, nodes included; another process finds its own device."""
+        return on_found_gpu, self._recipe
 
     def total(self, f: np.ndarray, f_hat: np.ndarray) -> np.ndarray:
         """The sum over all nodes, a half spectrum (n, n', n/2+1).
@@ -135,6 +140,13 @@ class DeviceGainSum:
 
     def _put(self, values: np.ndarray, dtype: np.dtype) -> Any:
         return self._device.put(np.ascontiguousarray(values, dtype=dtype))
+
+
+def on_found_gpu(
+    scene: Scene, grid: VelocityGrid, nodes: Nodes, precision: str, memory: int | None = None
+) -> DeviceGainSum:
+    """The sum on the GPU of this machine; ValueError where there is none."""
+    return DeviceGainSum(scene, grid, nodes, find_gpu(), precision, memory)
 
 
 def phase_vectors(angles: np.ndarray, n: int, modes: int) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from granstudy.collision.fast.adaptive.operator import AdaptiveOperator
 from granstudy.collision.fast.gpu.device import check_scene, find_gpu
-from granstudy.collision.fast.gpu.gain import DeviceGainSum
+from granstudy.collision.fast.gpu.gain import DeviceGainSum, on_found_gpu
 from granstudy.collision.fast.nodes import Nodes
 from granstudy.collision.fast.operator import NodalOperator, fast_operator
 from granstudy.model.scene import Scene
@@ -20,7 +20,7 @@ def gain_on_gpu(
     scene: Scene, solver: SizedSolver, grid: VelocityGrid, nodes: Nodes
 ) -> DeviceGainSum:
     """The sum over ``nodes`` on a GPU, in the solver's precision."""
-    return DeviceGainSum(scene, grid, nodes, find_gpu(), solver.precision)
+    return on_found_gpu(scene, grid, nodes, solver.precision)
 
 
 def fast_on_gpu(scene: Scene, solver: SizedSolver) -> NodalOperator:

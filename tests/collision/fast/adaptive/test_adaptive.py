@@ -9,10 +9,12 @@ import pytest
 from comparison import BOXES, asymmetric_scene, evaluate, relative_error
 
 import granstudy as gs
+from granstudy.collision.fast.adaptive import search
 from granstudy.collision.fast.adaptive.aliasing import resolving_grids
 from granstudy.collision.fast.adaptive.allocation import allocate
 from granstudy.collision.fast.adaptive.error import MOMENT_PART, difference
 from granstudy.collision.fast.adaptive.plan import TunedOperator
+from granstudy.collision.fourier.spectra import serial_transforms
 from granstudy.quadrature.ladder import ladder
 from granstudy.support.errors import ToleranceError
 from granstudy.velocity.symmetry import NAMED
@@ -53,7 +55,9 @@ def test_the_error_is_what_was_asked_for(dim, exponent, tolerances, variant):
         # not above it, not far below it, and the estimate is the error
         assert 0.05 * rtol < found <= rtol, operator.plan
         assert 0.5 * found < operator.plan.error < 2 * found + 1e-7, operator.plan
-        assert operator.transforms == operator.plan.transforms == 2 * operator.plan.nodes + 3
+        serial = serial_transforms(operator.grid.N, operator.plan.n)
+        expected = 2 * operator.plan.nodes + serial
+        assert operator.transforms == operator.plan.transforms == expected
         nodes.append(operator.plan.nodes)
     assert nodes[0] < nodes[1] < nodes[2], nodes
 
@@ -239,3 +243,36 @@ def test_resolving_grids():
         # the same function at the smaller grid's own nodes
         exact = gs.load_scene("maxwellian3d", temperature=1.5).density(gs.VelocityGrid(3, n, 6.0))
         assert np.max(np.abs(f_n - exact)) <= 2e-4 * f.max()
+
+
+@pytest.mark.parametrize("smallest", [32, 40])
+def test_the_search_goes_on_to_a_larger_grid_where_one_fails(smallest, monkeypatch):
+    tried = []
+    plan_on = search._plan_on
+
+    def fails_on_small_grids(scene, solver, f, probe):
+        tried.append(solver.N)
+        if solver.N < smallest:
+            raise ToleranceError(f"N={solver.N} is too small")
+        return plan_on(scene, solver, f, probe)
+
+    monkeypatch.setattr(search, "_plan_on", fails_on_small_grids)
+    scene = gs.load_scene("maxwellian2d", restitution=0.5)
+    Q = gs.collision_operator(scene, gs.Solver(N=40, R=7.0, rtol=3e-2, threads=1))
+    assert tried == sorted(tried) and len(tried) > 1 and tried[0] < 32 and tried[-1] == smallest
+    assert Q.plan.error <= 3e-2 and Q.plan.n >= smallest
+    monkeypatch.setattr(search, "_plan_on", lambda scene, solver, f, probe: fails(solver))
+    with pytest.raises(ToleranceError, match="N=40 fails"):
+        search.make_plan(scene, Q.solver, scene.density(Q.grid))
+
+
+def fails(solver):
+    raise ToleranceError(f"N={solver.N} fails")
+
+
+def test_a_tolerance_that_the_smallest_quiet_grid_does_not_reach_is_reached():
+    """Refused before: the search ended on the smallest grid with little aliasing."""
+    scene = gs.load_scene("maxwellian2d", restitution=0.5, exponent=1.0)
+    for N, rtol in ((48, 1e-4), (64, 1e-4)):
+        plan = gs.collision_operator(scene, gs.Solver(N=N, R=7.0, rtol=rtol, threads=1)).plan
+        assert plan.error <= rtol

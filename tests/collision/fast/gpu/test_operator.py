@@ -1,16 +1,17 @@
 """The option device="gpu" from the solver to the dataset, NumPy in the GPU's place."""
 
 import json
+import pickle
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from comparison import assert_near, asymmetric_scene
-from devices import NUMPY, gpu
+from devices import NUMPY, gpu, strict
 
 import granstudy as gs
 from granstudy.analysis.tables.table import experiment_table
-from granstudy.collision.fast.gpu import device
+from granstudy.collision.fast.gpu import device, gain
 from granstudy.collision.fast.gpu import operator as on_gpu
 from granstudy.collision.fast.gpu.gain import DeviceGainSum
 from granstudy.study.benchmark.benchmark import benchmark
@@ -22,7 +23,8 @@ NO_GPU = "device='gpu': needs CuPy or PyTorch with a GPU"
 
 @pytest.fixture
 def stand_in(monkeypatch):
-    monkeypatch.setattr(on_gpu, "find_gpu", lambda: NUMPY)
+    for module in (on_gpu, gain):
+        monkeypatch.setattr(module, "find_gpu", lambda: NUMPY)
 
 
 @pytest.fixture
@@ -51,6 +53,24 @@ def test_a_run_is_the_same_but_for_round_off(stand_in, solver, round_off):
     assert not np.array_equal(other["f"].values, cpu["f"].values)
     assert other["device"] == "gpu" and "device" not in cpu.coords
     assert json.loads(other.attrs["solver"]) == json.loads(cpu.attrs["solver"]) | {"device": "gpu"}
+
+
+@pytest.mark.fault("B10")
+@pytest.mark.parametrize("solver", [SMALL, TOLERANT, replace(SMALL, precision="single")])
+def test_a_pickled_operator_finds_the_gpu_of_its_process(stand_in, monkeypatch, solver):
+    scene = asymmetric_scene(2, seed=1, exponent=1.0, restitution=0.37)
+    operator = gs.collision_operator(scene, replace(solver, device="gpu"))
+    f = scene.density(operator.grid)
+    content = pickle.dumps(operator)
+    monkeypatch.setattr(gain, "find_gpu", strict)
+    other = pickle.loads(content)
+    sum_of = getattr(other, "operator", other).gain
+    assert isinstance(sum_of, DeviceGainSum) and sum_of._device.name == "strict"
+    assert_near(other(f), operator(f), 1e-14 if solver.precision == "double" else 1e-6)
+    if solver is SMALL:
+        monkeypatch.undo()
+        with pytest.raises(ValueError, match=NO_GPU):
+            pickle.loads(content)
 
 
 def test_auto_is_fast(stand_in):

@@ -1,0 +1,185 @@
+"""What a run computes with: chosen at the start, and again where its errors ask for it."""
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from granstudy.accuracy.asked import Accuracy
+from granstudy.accuracy.budget import MOVE_SHARE, Allowed, allowed_growth
+from granstudy.accuracy.grids.cartesian import Search
+from granstudy.accuracy.grids.isotropy import anisotropy, isotropic_part, switching_error
+from granstudy.accuracy.grids.radial import further_out, radial_grid
+from granstudy.accuracy.grids.sources import Initial, Present, Source, shape_error
+from granstudy.accuracy.grids.truncation import Truncation, truncation, without_noise
+from granstudy.accuracy.leg import Gas, Leg, Need, Tried
+from granstudy.evolution.frames.rescaled import Place
+from granstudy.support.errors import ToleranceError
+from granstudy.trust.changes import Change
+from granstudy.trust.error_estimate import Balance
+from granstudy.velocity.cartesian import VelocityGrid
+from granstudy.velocity.radial import BALL_RATIO
+
+TARGET = 0.3
+"""Growth of errors on a new grid, over the allowed growth; the rest is kept for a density that evolves."""
+
+ENOUGH = 0.6
+"""The same, of a grid that keeps the present nodes and so needs no interpolation."""
+
+WORTH_IT = 0.7
+"""Growth of errors on another grid, over that on the present one, above which the present one is kept."""
+
+FIRST_RADIUS = 7.0
+"""First radius that is tried for an isotropic gas, in units of √T."""
+
+SQUARES = 30.0
+"""Square of the anisotropy of the pressure, over the error allowed to a switch, below which the switch is
+tried: the error is of second order."""
+
+
+class Chosen(NamedTuple):
+    """A leg, the state that it begins from, and the error that beginning makes.
+
+    ``needed`` says what is missing where no grid is good enough; "" where one is.
+    """
+
+    leg: Leg
+    state: np.ndarray
+    balance: Balance
+    error: Change
+    reason: str
+    needed: str = ""
+
+
+class Chooser:
+    """Chooses grids for one run.
+
+    Parameters
+    ----------
+    gas : Gas
+    asked : Accuracy
+    start : Initial
+        The initial density.
+    at_start : Balance
+        Rates at which errors are forgotten at the start.
+    cut : Truncation or None
+        What radii cut off the initial density; None for an isotropic gas that `radial` can model.
+    left : float
+        Collisions' time of the whole run.
+    memory : float
+        Bytes that an operator may take.
+    """
+
+    def __init__(
+        self,
+        gas: Gas,
+        asked: Accuracy,
+        start: Initial,
+        at_start: Balance,
+        cut: Truncation | None,
+        left: float,
+        memory: float,
+    ) -> None:
+        self._gas, self._asked, self._start = gas, asked, start
+        self._at_start, self._cut = at_start, cut
+        self._left, self._memory = left, memory
+
+    def first(self) -> Chosen:
+        """The grid to start on."""
+        place = Place(0.0, 0.0, self._gas.velocity)
+        radius = FIRST_RADIUS * float(np.sqrt(self._start.true.temperature))
+        allowed = allowed_growth(self._asked, self._at_start, Change(0.0, 0.0), self._left)
+        tried = self._search(self._start, place, allowed, radius, self._cut)
+        return self._chosen(tried, place, self._start.lost(tried.leg.grid), "the start")
+
+    def again(
+        self, leg: Leg, state: np.ndarray, time: float, allowed: Allowed, reason: str
+    ) -> Chosen:
+        """Another grid for a state; the present one where no other is much better."""
+        f, place = leg.frame.density(state), leg.place(state, time)
+        source, now = Present(f, leg.grid), leg.balance(state)
+        need, ratio = Need(allowed, self._most), allowed.ratio(now)
+        if isinstance(leg.grid, VelocityGrid):
+            scene = replace(self._gas.scene, restitution=leg.frame.restitution(state))
+            cut = truncation(scene, leg.grid, without_noise(f, leg.grid))
+            search = Search(self._gas, source, place, need, cut, TARGET, self._memory)
+            try:
+                tried = search.go_on(leg, ratio)
+            except ToleranceError:
+                tried = Tried(leg, f, ratio, now)
+        else:
+            tried = self._radial(leg, source, place, need)
+        if tried.ratio > WORTH_IT * ratio:
+            kept = Tried(leg, f, ratio, now)
+            return self._chosen(kept, place, Change(0.0, 0.0), reason, state)
+        return self._chosen(tried, place, self._moved(source, tried), reason)
+
+    def _radial(self, leg: Leg, source: Present, place: Place, need: Need) -> Tried:
+        """Another radial grid: the same speeds and more, where that is enough."""
+        tried = further_out(self._gas, source, place, need, TARGET)
+        if tried is not None and tried.ratio <= ENOUGH:
+            return tried
+        other = radial_grid(self._gas, source, place, need, leg.solver.R, TARGET)
+        return other if tried is None or other.ratio < tried.ratio else tried
+
+    def may_switch(self, leg: Leg, values: dict[str, Any]) -> bool:
+        """Whether it is worth while to try the isotropic part alone."""
+        if leg.solver.method == "radial" or callable(self._gas.scene.restitution):
+            return False
+        most = self._most
+        return anisotropy(values["pressure"]) ** 2 < SQUARES * min(most.temperature, most.a2)
+
+    def isotropic(
+        self, leg: Leg, state: np.ndarray, time: float, allowed: Allowed
+    ) -> Chosen | None:
+        """The isotropic part alone; None where the rest of the density still counts."""
+        grid, f = leg.grid, leg.frame.density(state)
+        assert isinstance(grid, VelocityGrid)
+        mean, fine = isotropic_part(f, grid)
+        error = switching_error(self._gas.scene, f, grid, mean, fine)
+        most = self._most
+        if error.temperature > most.temperature or error.a2 > most.a2:
+            return None
+        place, source = leg.place(state, time), Present(mean, fine)
+
+        tried = self._search(source, place, allowed, grid.L / BALL_RATIO, None)
+        moved = self._moved(source, tried)
+        total = Change(error.temperature + moved.temperature, error.a2 + moved.a2)
+        reason = f"isotropic to {max(total):.1e}: goes on as its mean over directions"
+        return self._chosen(tried, place, total, reason)
+
+    @property
+    def _most(self) -> Change:
+        """Largest errors by a change of grid."""
+        return Change(MOVE_SHARE * self._asked.temperature, MOVE_SHARE * self._asked.a2)
+
+    def _search(
+        self, source: Source, place: Place, allowed: Allowed, radius: float, cut: Truncation | None
+    ) -> Tried:
+        """A grid for a density: Cartesian where ``cut`` says what radii cut off, else radial."""
+        need = Need(allowed, self._most)
+        if cut is None:
+            return radial_grid(self._gas, source, place, need, radius, TARGET)
+        return Search(self._gas, source, place, need, cut, TARGET, self._memory).find()
+
+    def _moved(self, source: Present, tried: Tried) -> Change:
+        """The error of a change of grid: the difference of the exact rates, until it relaxes."""
+        if source.grid == tried.leg.grid:
+            return Change(0.0, 0.0)
+        before, after = (source.f, source.grid), (tried.f, tried.leg.grid)
+        cooling, shaping, _ = shape_error(self._gas, before, after)
+        return Change(cooling, shaping).scaled(1.0 / tried.balance.relaxing)
+
+    def _chosen(
+        self, tried: Tried, place: Place, error: Change, reason: str, state: Any = None
+    ) -> Chosen:
+        """A choice, and what it lacks."""
+        solver, needed = tried.leg.solver, ""
+        if tried.ratio > 1.0:
+            needed = (
+                f"errors grow at {tried.ratio:.2g} times the rate that the accuracy allows on the best grid "
+                f"found ({solver.method}, N={solver.N}, R={solver.R:.3g})"
+            )
+        if state is None:
+            state = tried.leg.start(tried.f, place)
+        return Chosen(tried.leg, state, tried.balance, error, reason, needed)

@@ -1,0 +1,1 @@
+"""Random runs beside their truths: what labels and estimates are worth."""
