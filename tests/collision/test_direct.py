@@ -54,7 +54,7 @@ def test_mass_is_conserved_and_the_state_keeps_its_type():
 
 @pytest.mark.parametrize("restitution", [0.5, lambda v: 0.5 + 0 * v], ids=["constant", "law"])
 def test_modes_whose_sum_lies_beyond_the_spectrum_give_nothing(restitution):
-    """Of modes −4 and −1 on 8 points −2 is a sum within the spectrum. −5 comes around as 3; −8 as 0, the mass."""
+    """Of −4 and −1 on 8 points −2 is a sum within the spectrum. −5 comes around as 3; −8 as 0, the mass."""
     scene = asymmetric_scene(2, exponent=1.0, restitution=restitution)
     for circular, modes in ((False, {-2}), (True, {-2, 3})):
         solver = gs.Solver(N=8, R=6.0, method="direct", N_rho=8, circular=circular)
