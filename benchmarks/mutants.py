@@ -87,6 +87,9 @@ def write(rows: list[Row], table: Path) -> None:
     "--only", default="", help="Mutants with this text in module or line; writes no table."
 )
 @click.option(
+    "--seen", type=click.Path(path_type=Path), help="File that keeps which test runs which line."
+)
+@click.option(
     "--survivors", is_flag=True, help="Mutants that survived in the table; keeps its others."
 )
 def main(
@@ -114,13 +117,8 @@ def main(
                 how = before.outcome
             else:
                 tests = chosen_tests(mutation, shown, above, seconds)
-                how = outcome(
-                    mutation,
-                    original,
-                    Path(scratch),
-                    tests,
-                    sum(shown.seconds[test] for test in tests),
-                )
+                allowed = sum(shown.seconds[test] for test in tests)
+                how = outcome(mutation, original, Path(scratch), tests, allowed)
             told = before.explanation if before is not None and how == "survived" else ""
             row = Row.of(mutation, how, told)
             rows.append(row)

@@ -214,3 +214,13 @@ def test_a_fork_waits_for_plans_and_finds_locks_free(tmp_path):
         assert os.waitpid(child, 0)[1] == 0
         opening.result()
         pool.submit(lock.__exit__).result()
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="the platform cannot fork")
+def test_any_thread_of_a_forked_process_may_plan():
+    child = os.fork()
+    if child == 0:
+        with ThreadPoolExecutor(1) as pool:
+            free = pool.submit(planning.acquire, timeout=10.0).result()
+        os._exit(0 if free else 1)
+    assert os.waitpid(child, 0)[1] == 0

@@ -145,3 +145,21 @@ def test_a_law_makes_cooling_depend_on_the_shape_of_maxwell_molecules_too():
     assert fixed.shape == 0.0 and law.shape == pytest.approx(0.1 * 3 / 16)
     assert fixed.cooling == 0.0 and law.cooling == pytest.approx(0.05)
     assert (law.temperature, law.a2, law.forgetting) == (0.0, 1e-3, 0.0)
+
+
+def test_a_dense_gas_in_a_shorter_time_has_the_same_estimates():
+    """The collisions of 2f are twice as many: f(t) and 2f(t/2) are one solution."""
+
+    def estimates(density):
+        scene = gs.Scene(
+            2,
+            lambda vx, vy: density * np.exp(-(vx**2 + vy**2) / 2) / (2 * np.pi),
+            gs.hard_spheres(2),
+            0.5,
+        )
+        ds = run(scene, gs.Solver(N=16, R=7.0, N_rho=6, M_cir=6), 1.0 / density, dt=0.1 / density)
+        return [ds[f"{name}_error_estimate"].values for name in ("temperature", "a2")]
+
+    for one, two in zip(estimates(1.0), estimates(2.0), strict=True):
+        assert one[-1] > 1e-6
+        np.testing.assert_allclose(two, one, rtol=1e-6)
