@@ -87,6 +87,16 @@ def test_spectra_and_parts_of_an_evaluation_on_threads():
             np.testing.assert_array_equal(task.result(), alone)
 
 
+def test_transforms_made_again_and_again_for_benchmarks_do_not_overflow():
+    scene, literal = made("literal", threads=1)
+    Q = literal(scene.density(literal.grid))
+    for _ in range(150):  # each is a factor of 16² on what is there, and 256^128 overflows
+        literal.transform()
+    [work] = literal.workers.workspaces
+    assert np.all(np.isfinite(work.density)) and np.all(np.isfinite(work.spectrum))
+    np.testing.assert_array_equal(literal(scene.density(literal.grid)), Q)
+
+
 def test_a_tuning_beside_evaluations_gives_one_quadrature_or_the_other():
     scene, Q = made("fast, rtol")
     f = scene.density(Q.grid)
