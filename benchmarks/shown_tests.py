@@ -179,20 +179,28 @@ def chosen_tests(
     """Tests to show a mutant, as many as take ``seconds``: quick ones first.
 
     These are tests that run the line; after them, as files share fixtures and caches, all others of their
-    files. Where a line runs before the tests, or is compiled, they are tests that run the module, or the
-    modules that import it.
+    files. Where a line runs before the tests or in a forked process, or is compiled, they are tests in files
+    that import the module, then tests that run the module, or the modules that import it.
     """
     direct = set(seen.tests.get(mutation.module, {}).get(mutation.line, ()))
+    named = set[str]()
+    if not direct:
+        files = above.get(mutation.module, ())
+        named = {
+            test
+            for test, taken in seen.seconds.items()
+            if taken <= seconds and test.partition("::")[0] in files
+        }
     modules = {mutation.module}
     while not direct and modules:
         direct = {
             test for one in modules for tests in seen.tests.get(one, {}).values() for test in tests
         }
         modules = {other for one in modules for other in above.get(one, ())}
-    files = {test.partition("::")[0] for test in direct}
-    beside = {test for test in seen.seconds if test.partition("::")[0] in files} - direct
+    around = {test.partition("::")[0] for test in direct}
+    beside = {test for test in seen.seconds if test.partition("::")[0] in around} - direct - named
     chosen, total = list[str](), 0.0
-    for group in (direct, beside):
+    for group in (named, direct - named, beside):
         for test in sorted(group, key=lambda one: (seen.seconds[one], one)):
             total += seen.seconds[test]
             if total > seconds and chosen:
@@ -202,7 +210,7 @@ def chosen_tests(
 
 
 def importers(root: Path) -> dict[str, set[str]]:
-    """Files that import a file, by path in the repository."""
+    """Files that import a file, tests among them, by path in the repository."""
     sys.path.append(str(root / "tests"))
     architecture = importlib.import_module("architecture")
     files = architecture.modules(root / "granstudy")
@@ -212,6 +220,11 @@ def importers(root: Path) -> dict[str, set[str]]:
             str(files[name].relative_to(root)) for name in (one.imported, one.importer)
         )
         found[imported].add(importer)
+    for test in (root / "tests").rglob("test_*.py"):
+        text = test.read_text(encoding="utf-8")
+        for name, file in files.items():
+            if f"from {name} import" in text:
+                found[str(file.relative_to(root))].add(str(test.relative_to(root)))
     return found
 
 
