@@ -9,7 +9,7 @@ from granstudy.accuracy.asked import Accuracy
 from granstudy.accuracy.budget import MOVE_SHARE, Allowed, allowed_growth
 from granstudy.accuracy.grids.cartesian import Search
 from granstudy.accuracy.grids.isotropy import anisotropy, isotropic_part, switching_error
-from granstudy.accuracy.grids.radial import further_out, radial_grid
+from granstudy.accuracy.grids.radial import larger_grid, radial_grid, try_radial
 from granstudy.accuracy.grids.sources import Initial, Present, Source, shape_error
 from granstudy.accuracy.grids.truncation import Truncation, truncation, without_noise
 from granstudy.accuracy.leg import Gas, Leg, Need, Tried
@@ -23,9 +23,6 @@ from granstudy.velocity.radial import BALL_RATIO
 TARGET = 0.3
 """Growth of errors on a new grid, over the allowed growth; the rest is kept for a density that evolves."""
 
-ENOUGH = 0.6
-"""The same, of a grid that keeps the present nodes and so needs no interpolation."""
-
 WORTH_IT = 0.7
 """Growth of errors on another grid, over that on the present one, above which the present one is kept."""
 
@@ -37,10 +34,19 @@ SQUARES = 30.0
 tried: the error is of second order."""
 
 
+class Origin(NamedTuple):
+    """Where a run can begin again on another radial grid: density, frame, and the error made on the way."""
+
+    source: Source
+    place: Place
+    error: Change
+
+
 class Chosen(NamedTuple):
     """A leg, the state that it begins from, and the error that beginning makes.
 
-    ``needed`` says what is missing where no grid is good enough; "" where one is.
+    ``needed`` says what is missing where no grid is good enough; "" where one is. ``origin`` is that of a
+    radial leg.
     """
 
     leg: Leg
@@ -49,6 +55,7 @@ class Chosen(NamedTuple):
     error: Change
     reason: str
     needed: str = ""
+    origin: Origin | None = None
 
 
 class Chooser:
@@ -82,45 +89,52 @@ class Chooser:
     ) -> None:
         self._gas, self._asked, self._start = gas, asked, start
         self._at_start, self._cut = at_start, cut
-        self._left, self._memory = left, memory
+        self.left, self._memory = left, memory
 
     def first(self) -> Chosen:
         """The grid to start on."""
         place = Place(0.0, 0.0, self._gas.velocity)
         radius = FIRST_RADIUS * float(np.sqrt(self._start.true.temperature))
-        allowed = allowed_growth(self._asked, self._at_start, Change(0.0, 0.0), self._left)
+        allowed = allowed_growth(self._asked, self._at_start, Change(0.0, 0.0), self.left)
         tried = self._search(self._start, place, allowed, radius, self._cut)
-        return self._chosen(tried, place, self._start.lost(tried.leg.grid), "the start")
+        chosen = self._chosen(tried, place, self._lost(self._start, tried), "the start")
+        if self._cut is None:
+            chosen = chosen._replace(origin=Origin(self._start, place, Change(0.0, 0.0)))
+        return chosen
 
     def again(
         self, leg: Leg, state: np.ndarray, time: float, allowed: Allowed, reason: str
     ) -> Chosen:
-        """Another grid for a state; the present one where no other is much better."""
-        f, place = leg.frame.density(state), leg.place(state, time)
-        source, now = Present(f, leg.grid), leg.balance(state)
+        """Another Cartesian grid for a state; the present one where no other is much better."""
+        f, place, grid = leg.frame.density(state), leg.place(state, time), leg.grid
+        assert isinstance(grid, VelocityGrid)
+        source, now = Present(f, grid), leg.balance(state)
         need, ratio = Need(allowed, self._most), allowed.ratio(now)
-        if isinstance(leg.grid, VelocityGrid):
-            scene = replace(self._gas.scene, restitution=leg.frame.restitution(state))
-            cut = truncation(scene, leg.grid, without_noise(f, leg.grid))
-            search = Search(self._gas, source, place, need, cut, TARGET, self._memory)
-            try:
-                tried = search.go_on(leg, ratio)
-            except ToleranceError:
-                tried = Tried(leg, f, ratio, now)
-        else:
-            tried = self._radial(leg, source, place, need)
+        scene = replace(self._gas.scene, restitution=leg.frame.restitution(state))
+        cut = truncation(scene, grid, without_noise(f, grid))
+        search = Search(self._gas, source, place, need, cut, TARGET, self._memory)
+        try:
+            tried = search.go_on(leg, ratio)
+        except ToleranceError:
+            tried = Tried(leg, f, ratio, now)
         if tried.ratio > WORTH_IT * ratio:
             kept = Tried(leg, f, ratio, now)
             return self._chosen(kept, place, Change(0.0, 0.0), reason, state)
-        return self._chosen(tried, place, self._moved(source, tried), reason)
+        return self._chosen(tried, place, self._lost(source, tried), reason)
 
-    def _radial(self, leg: Leg, source: Present, place: Place, need: Need) -> Tried:
-        """Another radial grid: the same speeds and more, where that is enough."""
-        tried = further_out(self._gas, source, place, need, TARGET)
-        if tried is not None and tried.ratio <= ENOUGH:
-            return tried
-        other = radial_grid(self._gas, source, place, need, leg.solver.R, TARGET)
-        return other if tried is None or other.ratio < tried.ratio else tried
+    def begin_again(
+        self, origin: Origin, leg: Leg, allowed: Allowed, larger: bool, reason: str
+    ) -> Chosen | None:
+        """Begin the radial part again, on a larger grid or on the same; None where there is no larger one."""
+        need, solver = Need(allowed, self._most), leg.solver
+        if larger:
+            tried = larger_grid(self._gas, origin.source, origin.place, need, solver, TARGET)
+        else:
+            tried = try_radial(self._gas, origin.source, origin.place, need, solver.N, solver.R)
+        if tried is None:
+            return None
+        total = origin.error.plus(self._lost(origin.source, tried))
+        return self._chosen(tried, origin.place, total, reason)._replace(origin=origin)
 
     def may_switch(self, leg: Leg, values: dict[str, Any]) -> bool:
         """Whether it is worth while to try the isotropic part alone."""
@@ -143,10 +157,10 @@ class Chooser:
         place, source = leg.place(state, time), Present(mean, fine)
 
         tried = self._search(source, place, allowed, grid.L / BALL_RATIO, None)
-        moved = self._moved(source, tried)
-        total = Change(error.temperature + moved.temperature, error.a2 + moved.a2)
+        total = error.plus(self._lost(source, tried))
         reason = f"isotropic to {max(total):.1e}: goes on as its mean over directions"
-        return self._chosen(tried, place, total, reason)
+        chosen = self._chosen(tried, place, total, reason)
+        return chosen._replace(origin=Origin(source, place, error))
 
     @property
     def _most(self) -> Change:
@@ -162,8 +176,13 @@ class Chooser:
             return radial_grid(self._gas, source, place, need, radius, TARGET)
         return Search(self._gas, source, place, need, cut, TARGET, self._memory).find()
 
-    def _moved(self, source: Present, tried: Tried) -> Change:
-        """The error of a change of grid: the difference of the exact rates, until it relaxes."""
+    def _lost(self, source: Source, tried: Tried) -> Change:
+        """The error that putting a density on a grid makes.
+
+        Of a present density: the difference of the exact rates, until it relaxes.
+        """
+        if not isinstance(source, Present):
+            return source.lost(tried.leg.grid)
         if source.grid == tried.leg.grid:
             return Change(0.0, 0.0)
         before, after = (source.f, source.grid), (tried.f, tried.leg.grid)

@@ -103,14 +103,14 @@ def accuracy_dataset(
     if reasons:
         attrs["needed"] = reasons
     off = max(error / getattr(asked, name) for name, error in reached.items())
-    ds["trust"] = _trust(off, outcome.record.status, reasons)
+    ds["trust"] = trust_as_asked(off, outcome.record.status, reasons)
     return ds.assign_attrs(attrs)
 
 
-def _trust(off: float, status: Status, reasons: str) -> Variable:
-    """The label of a run, by its largest error over the error asked for.
+def trust_as_asked(off: float, status: Status, reasons: str) -> Variable:
+    """The label of a run or state, by its largest error over the error asked for.
 
-    It is trusted where that is at most 1, untrusted above `UNTRUSTED` and where the run had to stop.
+    It is trusted where that is at most 1, untrusted above `UNTRUSTED` and where it had to stop.
     """
     trust = Trust.TRUSTED if off <= 1.0 else Trust.MARGINAL if off <= UNTRUSTED else Trust.UNTRUSTED
     if status is not Status.OK:

@@ -35,8 +35,8 @@ class Ledger:
             for source, now in self._linear.items():
                 self._linear[source] = self._faded(now, elapsed)
         made = Change(STEPS_COUNT * abs(error.temperature), STEPS_COUNT * abs(error.a2))
-        self._linear["steps"] = _sum(self._linear["steps"], made)
-        self._made = _sum(self._made, made)
+        self._linear["steps"] = self._linear["steps"].plus(made)
+        self._made = self._made.plus(made)
 
     def weigh(self, balance: Balance) -> None:
         """Take the rates of a balance, and settle what the grid's errors have grown to."""
@@ -47,7 +47,7 @@ class Ledger:
     def restart(self, balance: Balance, change: Change) -> None:
         """Go on from a balance on another grid; the change of grid made an error."""
         self.balance, self._balanced_at = balance, self._clock
-        self._linear["changes"] = _sum(self._linear["changes"], change)
+        self._linear["changes"] = self._linear["changes"].plus(change)
 
     def step_rate(self) -> Change:
         """Errors that steps made in a unit of the collisions' time, since this was last asked."""
@@ -94,7 +94,3 @@ class Ledger:
             ),
             float(error.a2 * np.exp(-elapsed * balance.relaxing)),
         )
-
-
-def _sum(a: Change, b: Change) -> Change:
-    return Change(a.temperature + b.temperature, a.a2 + b.a2)

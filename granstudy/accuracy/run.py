@@ -2,6 +2,7 @@
 
 import time as wall
 from collections.abc import Callable
+from copy import deepcopy
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from granstudy.accuracy.asked import Accuracy
 from granstudy.accuracy.budget import Allowed, allowed_growth, clock_left
-from granstudy.accuracy.choices import Chooser, Chosen
+from granstudy.accuracy.choices import Chooser, Chosen, Origin
 from granstudy.accuracy.ledger import SOURCES, Ledger
 from granstudy.accuracy.leg import Leg
 from granstudy.datasets.run_dataset import Record
@@ -34,6 +35,9 @@ EASY = 0.02
 
 LOOSEST, TIGHTEST = 1e-3, 1e-12
 """Tolerances of a step."""
+
+MOST = 0.9
+"""Errors by the grid over those asked for, above which a run begins again."""
 
 STEP_TOLERANCE = 0.1
 """First tolerance of a step, over the smaller of the asked errors."""
@@ -76,11 +80,28 @@ class Outcome:
     )
 
 
+class Beginning(NamedTuple):
+    """The start of the radial part of a run, with all that was recorded and estimated until then."""
+
+    origin: Origin
+    time: float
+    ledger: Ledger
+    outcome: Outcome
+
+
 class Wish(NamedTuple):
     """Why a leg ends: a new grid, a new tolerance of steps, the isotropic part alone."""
 
     kind: str
     reason: str
+
+
+class At(NamedTuple):
+    """Where a run goes on: leg, state, time."""
+
+    leg: Leg
+    state: np.ndarray
+    time: float
 
 
 class Run:
@@ -119,36 +140,46 @@ class Run:
         self._time_rtol = float(np.clip(STEP_TOLERANCE * smallest, TIGHTEST, LOOSEST))
         self._first: health.Moments = {}
         self._not_before = self._no_switch_before = -np.inf
-        self._trace = 0.0
+        self._beginning: Beginning | None = None
+        self._reached, self._grown, self._on_the_last = 0.0, False, False
 
     def go(self) -> Outcome:
         """Run to the end, or to where it cannot go on."""
-        record = self.outcome.record
+        status, reason = Status.OK, ""
         try:
-            chosen = self._chooser.first()
-            self._enter(chosen, 0.0)
-            leg, state, time = chosen.leg, chosen.state, 0.0
+            at = self._enter(self._chooser.first(), 0.0)
             while True:
-                state, time, wish = self._march(leg, state, time)
+                state, time, wish = self._march(*at)
                 if wish is None:
                     break
-                leg, state = self._follow(leg, state, time, wish)
+                at = self._follow(at.leg, state, time, wish)
         except StoppedError as stopped:
-            record.status, record.reason = Status.DIVERGED, str(stopped)
+            status, reason = Status.DIVERGED, str(stopped)
         except TimeoutError as stopped:
-            record.status, record.reason = Status.STOPPED, str(stopped)
+            status, reason = Status.STOPPED, str(stopped)
+        record = self.outcome.record
+        record.status, record.reason = status, reason
         return self.outcome
 
-    def _enter(self, chosen: Chosen, time: float) -> None:
+    def _enter(self, chosen: Chosen, time: float) -> At:
         """Go on with a choice; its start makes an error of its own."""
+        if chosen.origin is not None and self._beginning is None:
+            past = deepcopy((self.ledger, self.outcome))
+            self._beginning = Beginning(chosen.origin, time, *past)
         self.ledger.restart(chosen.balance, chosen.error)
-        self._note(chosen, time)
-
-    def _note(self, chosen: Chosen, time: float) -> None:
         self.outcome.legs.append(Stretch(time, chosen.leg.solver, self._time_rtol, chosen.reason))
         if chosen.needed:
             self.outcome.needed = chosen.needed
             self._not_before = self.ledger.clock + RELAXED / chosen.balance.relaxing
+        return At(chosen.leg, chosen.state, time)
+
+    def _enter_again(self, beginning: Beginning, chosen: Chosen) -> At:
+        """Begin the radial part again; what was recorded of it goes, the work is counted."""
+        steps = self.outcome.steps
+        self.ledger, self.outcome = deepcopy((beginning.ledger, beginning.outcome))
+        self.outcome.steps = steps
+        self._not_before = -np.inf
+        return self._enter(chosen, beginning.time)
 
     def _march(
         self, leg: Leg, state: np.ndarray, start: float
@@ -189,13 +220,27 @@ class Run:
             ledger.step(frame.clock(state, point.time), frame.moment_change(state, point.error))
         balance = ledger.balance
         assert balance is not None
-        due = ledger.since_balance * balance.relaxing >= BALANCES or point.is_output
+        pace = max(balance.relaxing, 1.0 / self._chooser.left)
+        due = ledger.since_balance * pace >= BALANCES or point.is_output
         if due and point.step > 0:
             ledger.weigh(leg.balance(state, point.rate))
         if point.is_output:
             self._output(leg, point, f, values)
-        asks = due and point.step > 0 and point.time < self._times[-1]
-        return self._wish(leg, point, values) if asks else None
+        if not due or point.step == 0:
+            return None
+        return self._too_much() or (
+            self._wish(leg, point, values) if point.time < self._times[-1] else None
+        )
+
+    def _too_much(self) -> Wish | None:
+        """The wish to begin again where errors by the grid came to more than was asked."""
+        if self._beginning is None or self._on_the_last:
+            return None
+        grid, asked = self.ledger.by_grid, self._asked
+        ratio = max(grid.temperature / asked.temperature, grid.a2 / asked.a2)
+        return (
+            Wish("grid", f"errors came to {ratio:.2g} times those asked") if ratio > MOST else None
+        )
 
     def _wish(self, leg: Leg, point: Point, values: dict[str, Any]) -> Wish | None:
         """What the state of the accounts asks for."""
@@ -203,7 +248,7 @@ class Run:
         balance = self.ledger.balance
         assert balance is not None
         ratio, clock = allowed.ratio(balance), self.ledger.clock
-        if ratio > 1.0 and clock >= self._not_before:
+        if ratio > 1.0 and clock >= self._not_before and not self._on_the_last:
             return Wish("grid", f"errors grew at {ratio:.2g} times the allowed rate")
         if clock >= self._no_switch_before and self._chooser.may_switch(leg, values):
             return Wish("isotropic", "")
@@ -223,29 +268,37 @@ class Run:
         """Collisions' time left."""
         return left_of(leg, state, self._times[-1] - time)
 
-    def _follow(
-        self, leg: Leg, state: np.ndarray, time: float, wish: Wish
-    ) -> tuple[Leg, np.ndarray]:
+    def _follow(self, leg: Leg, state: np.ndarray, time: float, wish: Wish) -> At:
         """Do what a state asks for."""
         relaxing = self.ledger.balance.relaxing if self.ledger.balance else 1.0
+        here = At(leg, state, time)
         if wish.kind == "tighter":
             self._time_rtol = max(self._time_rtol / 10, TIGHTEST)
             last = self.outcome.legs[-1]
             self.outcome.legs.append(
                 Stretch(time, last.solver, self._time_rtol, f"smaller steps: {wish.reason}")
             )
-            return leg, state
+            return here
         allowed = self.allowed(leg, state, time)
         if wish.kind == "isotropic":
             switched = self._chooser.isotropic(leg, state, time, allowed)
             if switched is None:
                 self._no_switch_before = self.ledger.clock + RELAXED / 2 / relaxing
-                return leg, state
-            self._enter(switched, time)
-            return switched.leg, switched.state
-        chosen = self._chooser.again(leg, state, time, allowed, wish.reason)
-        self._enter(chosen, time)
-        return chosen.leg, chosen.state
+                return here
+            return self._enter(switched, time)
+        if self._beginning is None:
+            return self._enter(self._chooser.again(leg, state, time, allowed, wish.reason), time)
+        reason = f"begun again: on N={leg.solver.N}, R={leg.solver.R:.3g} {wish.reason} at t = {time:.3g}"
+        further = time > self._reached or not self._grown
+        self._reached, self._grown = max(time, self._reached), further
+        if not further:
+            self._time_rtol = max(self._time_rtol / 10, TIGHTEST)
+        chosen = self._chooser.begin_again(self._beginning.origin, leg, allowed, further, reason)
+        if chosen is None:
+            self._on_the_last = True
+            self.outcome.needed = wish.reason
+            return here
+        return self._enter_again(self._beginning, chosen)
 
     def _output(self, leg: Leg, point: Point, f: np.ndarray, values: dict[str, Any]) -> None:
         """Record an output."""

@@ -9,6 +9,7 @@ import xarray as xr
 
 from granstudy import theory
 from granstudy.accuracy.asked import Accuracy
+from granstudy.accuracy.dataset import trust_as_asked
 from granstudy.accuracy.simulate import Asked, accuracy_asked
 from granstudy.datasets.parameters import parameter
 from granstudy.model.scene import Scene
@@ -242,8 +243,11 @@ def _described(scene: Scene, asked: Accuracy, state: str, found: list[Found]) ->
         "reached": json.dumps(reached, sort_keys=True),
         "choices": json.dumps(choices, sort_keys=True),
     }
-    if not (last.temperature <= asked.temperature and last.a2 <= asked.a2):
+    off = max(last.temperature / asked.temperature, last.a2 / asked.a2)
+    if off > 1.0:
         attrs["needed"] = _missing(scene, asked, state, last)
+    status = Status(int(ds["status"]))
+    ds["trust"] = trust_as_asked(off, status, attrs.get("needed", ""))
     return ds.assign_attrs(attrs)
 
 

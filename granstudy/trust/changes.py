@@ -17,6 +17,10 @@ class Change(NamedTuple):
         """The change times a factor."""
         return Change(factor * self.temperature, factor * self.a2)
 
+    def plus(self, other: "Change") -> "Change":
+        """The sum of two changes."""
+        return Change(self.temperature + other.temperature, self.a2 + other.a2)
+
 
 def change_of_moments(
     grid: VelocitySpace, f: np.ndarray, change: np.ndarray, scaling: float = 0.0

@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 import granstudy as gs
+from granstudy.trust.flags import Trust
 from granstudy.trust.truth import errors, maxwell_truth, truth_of_dataset
 
 
@@ -34,6 +35,20 @@ def test_an_isotropic_gas_keeps_its_word(e, asked):
     assert off.temperature <= reached["temperature"] <= asked
     assert off.a2 <= reached["a2"] <= 10 * asked
     assert "needed" not in ds.attrs
+
+
+@pytest.mark.parametrize("e", [0.2, 0.8])
+def test_an_isotropic_gas_begins_again_where_its_tail_outgrows_the_grid(e):
+    scene = hard("maxwellian3d", e, diffusion=0.0)
+    ds = quiet(scene, accuracy=1e-5, t_final=100.0)
+    assert ds["trust"].item() == Trust.TRUSTED
+    assert "begun again: on N=" in ds.attrs["choices"]
+    assert ds["leg_start"].values.tolist() == sorted(ds["leg_start"].values)
+    assert np.all(np.diff(ds["time"]) > 0.0)
+    state = gs.cooling_state(scene, gs.Solver(N=56, R=14.0, method="radial"))
+    assert abs(ds["a2"][-1] - state["a2"]) < 1e-4
+    evaluations = json.loads(ds.attrs["steps"])["evaluations"]
+    assert evaluations > int(ds["leg_evaluations"].sum()), "work that was begun again counts"
 
 
 def test_a_gas_without_symmetry_goes_on_as_radial_and_keeps_its_word():

@@ -5,6 +5,7 @@ import json
 import pytest
 
 import granstudy as gs
+from granstudy.trust.flags import Trust
 
 
 def gas(exponent, e, diffusion=0.0):
@@ -24,6 +25,7 @@ def test_a_state_keeps_its_word(heated, asked):
         assert off <= most
         assert off <= float(ds[f"{name}_error"]) <= most
     assert "needed" not in ds.attrs
+    assert ds["trust"].item() == Trust.TRUSTED
     assert json.loads(ds.attrs["asked"]) == {"temperature": asked, "a2": pytest.approx(10 * asked)}
 
 
@@ -31,3 +33,5 @@ def test_an_a2_that_does_not_exist_is_said(monkeypatch):
     monkeypatch.setattr("granstudy.accuracy.states.LADDER", ((16, 8.0), (20, 10.0), (24, 12.0)))
     ds = gs.cooling_state(gas(0.0, 0.2), accuracy=1e-4, progress=False)
     assert "a2 does not exist" in ds.attrs["needed"]
+    assert ds["trust"].item() == Trust.UNTRUSTED
+    assert "a2 does not exist" in ds["trust"].attrs["reasons"]

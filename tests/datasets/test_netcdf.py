@@ -108,6 +108,21 @@ def test_other_tools_read_the_same_and_no_text_of_variable_length(run, tmp_path)
         assert all(variable.dtype is not str for variable in stored.variables.values())
 
 
+def test_without_granstudy_a_file_opens_without_a_warning(run, tmp_path):
+    gs.write_dataset(run, tmp_path / "run.nc")
+    code = (
+        "import sys, xarray as xr\n"
+        "ds = xr.load_dataset(sys.argv[1])\n"
+        "table = ds[['temperature', 'a2']].to_dataframe()\n"
+        "assert not any(name.startswith('granstudy') for name in sys.modules)\n"
+        "print(table['temperature'].iloc[-1].hex())\n"
+    )
+    command = [sys.executable, "-I", "-W", "error", "-c", code, str(tmp_path / "run.nc")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0 and not done.stderr, done.stderr
+    assert float.fromhex(done.stdout.strip()) == float(run.temperature[-1])
+
+
 def test_all_values_that_files_hold(tmp_path):
     ds = xr.Dataset(
         {

@@ -65,8 +65,14 @@ the gas relaxes."""
 BLAMELESS = 0.3
 """Growth that is predicted for a grid, over what is found, below which the quadrature makes the rest."""
 
+EXTENDED = 1.1
+"""Factor at least from one radius to the next."""
+
+LOOSENED = 2.0
+"""Tolerance that is tried on a larger grid, over the present one, at most."""
+
 LARGEST_GROWTH = 1.3
-"""Largest factor from one radius to the next."""
+"""The same at most."""
 
 SHELLS, LEVEL = 8, 2
 """Shells, and step of the ladder of rules on each, that aliasing is measured with."""
@@ -76,6 +82,12 @@ TIGHTER, LOOSER = 3.0, 10.0
 
 ATTEMPTS = 4
 """Operators that are made at most."""
+
+REFUSED = 6
+"""Quadratures that a grid refuses at most, beside."""
+
+HELPED = 0.7
+"""Growth with a tighter quadrature, over that with a looser one, above which it is not the cause."""
 
 
 class Search:
@@ -113,6 +125,7 @@ class Search:
         allowed = need.allowed
         growth = min(allowed.a2 / A2_PER_RTOL, allowed.other / OTHER_PER_RTOL)
         self._rtol = float(np.clip(growth, SMALLEST_RTOL, LARGEST_RTOL))
+        self._wider = 1.0
 
     def find(self) -> Tried:
         """The grid with the fewest points that is predicted to do, made and checked; else the best found.
@@ -129,33 +142,63 @@ class Search:
     def go_on(self, leg: Leg, ratio: float) -> Tried:
         """A grid for a gas that outgrew its own, on which errors grow at ``ratio`` times the allowed rate.
 
-        What is predicted for the grid itself says what to change: where that is little, the quadrature is
-        planned anew. Where pairs are cut off, nodes are added beyond the border, and all others stay. Else
+        What is predicted for the grid itself says what to change. Where that is little, the quadrature is
+        planned anew. Where pairs are cut off, nodes are added beyond the border, and all others stay. The
+        same where another quadrature does not help: a grid cannot tell what a tail is like beyond it. Else
         the spacing becomes smaller.
         """
         now = leg.solver
         assert now.rtol is not None
-        if self._predicted(now) <= BLAMELESS * ratio:
-            self._rtol = min(now.rtol, max(now.rtol / (2.0 * ratio), SMALLEST_RTOL))
-            return self._improve(self._solver(now.N, now.R))
-        if self._cut_off(now.R) > self._target:
-            R = min(self._radius(), LARGEST_GROWTH * now.R)
-            N = 2 * int(np.ceil(now.N * R / now.R / 2))
-            if N > now.N and self._fits(N):
-                return self._improve(self._solver(N, now.R * N / now.N))
+        quadrature = self._predicted(now) <= BLAMELESS * ratio
+        # what was enough until now is a better guess than the one that knows no gas
+        self._rtol = min(self._rtol, now.rtol if quadrature else LOOSENED * now.rtol)
+        if quadrature:
+            loose = self._rtol
+            self._rtol = max(now.rtol / (2.0 * ratio), SMALLEST_RTOL)
+            tried = self._try(self._solver(now.N, now.R))
+            if tried is not None and tried.ratio <= ACCEPTED:
+                return tried
+            self._rtol = loose
+            further = self._further_out(now, EXTENDED * now.R)
+            if further is not None:
+                return self._improve(further)
+        elif self._cut_off(now.R) > self._target:
+            R = float(np.clip(self._radius(), EXTENDED * now.R, LARGEST_GROWTH * now.R))
+            further = self._further_out(now, R)
+            if further is not None:
+                return self._improve(further)
         finer = self._next(now.N)
         return self._improve(self._solver(now.N, now.R) if finer is None else finer)
+
+    def _further_out(self, now: SizedSolver, R: float) -> SizedSolver | None:
+        """The grid of the same nodes and more beyond, to a radius; None where memory does not hold it."""
+        N = 2 * int(np.ceil(now.N * R / now.R / 2))
+        if N <= now.N or not self._fits(N):
+            return None
+        return self._solver(N, now.R * N / now.N)
 
     def _improve(self, solver: SizedSolver) -> Tried:
         """The operator of a solver, made and checked, and made better where it does not do."""
         best: Tried | None = None
-        for _ in range(ATTEMPTS):
+        made = refused = 0
+        while made < ATTEMPTS and refused < REFUSED:
             tried = self._try(solver)
-            if tried is not None and (best is None or tried.ratio < best.ratio):
-                best = tried
-            if tried is not None and tried.ratio <= ACCEPTED:
-                return tried
-            again = self._improved(solver, tried)
+            again: SizedSolver | None
+            if tried is None:
+                refused += 1
+                again = self._more_points(solver)
+            else:
+                made += 1
+                if tried.ratio <= ACCEPTED:
+                    return tried
+                helped = (
+                    best is None
+                    or best.leg.solver.N != solver.N
+                    or tried.ratio <= HELPED * best.ratio
+                )
+                if best is None or tried.ratio < best.ratio:
+                    best = tried
+                again = self._tighter(solver) if helped else self._larger(solver)
             if again is None:
                 break
             solver = again
@@ -191,7 +234,7 @@ class Search:
     def _radius(self) -> float:
         """The radius at which truncation alone is allowed, and whose box holds the density."""
         part, allowed = TRUNCATION_PART * self._target, self._need.allowed
-        R = self._cut.radius(part * allowed.other, part * allowed.a2, self._exchange)
+        R = self._wider * self._cut.radius(part * allowed.other, part * allowed.a2, self._exchange)
         dim = self._gas.scene.dim
         while self._cut.radii[-1] > R:
             grid = VelocityGrid(dim, HOLDING[dim], R)
@@ -241,13 +284,22 @@ class Search:
         ratio = self._need.ratio(balance, self._source.lost(leg.grid))
         return Tried(leg, f, ratio, balance)
 
-    def _improved(self, solver: SizedSolver, tried: Tried | None) -> SizedSolver | None:
-        """What to try next: a tighter quadrature while it can be the cause, else more points."""
-        if tried is not None and solver.rtol is not None:
-            # what aliasing and truncation were predicted to leave, the quadrature makes
-            self._rtol = max(self._rtol / TIGHTER, SMALLEST_RTOL)
-            if self._predicted(solver) <= self._target and self._rtol < solver.rtol:
-                return self._solver(solver.N, solver.R)
+    def _tighter(self, solver: SizedSolver) -> SizedSolver | None:
+        """A tighter quadrature on the same grid, where it can be the cause; else more points."""
+        assert solver.rtol is not None
+        # what aliasing and truncation were predicted to leave, the quadrature makes
+        self._rtol = max(self._rtol / TIGHTER, SMALLEST_RTOL)
+        if self._predicted(solver) <= self._target and self._rtol < solver.rtol:
+            return self._solver(solver.N, solver.R)
+        return self._more_points(solver)
+
+    def _larger(self, solver: SizedSolver) -> SizedSolver | None:
+        """A larger radius and more points: what was predicted to do does not."""
+        assert solver.rtol is not None
+        self._rtol, self._wider = TIGHTER * solver.rtol, self._wider * WIDER
+        return self._more_points(solver)
+
+    def _more_points(self, solver: SizedSolver) -> SizedSolver | None:
         if POINTS[self._gas.scene.dim][-1] <= solver.N or not self._fits(solver.N + 8):
             return None
         return self._next(solver.N)

@@ -4,12 +4,12 @@ The tensor of `radial` serves every R, and there is no quadrature to plan: so th
 predicted but measured, in milliseconds.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 
-from granstudy.accuracy.grids.sources import Present, Source
+from granstudy.accuracy.grids.sources import Source
 from granstudy.accuracy.leg import Gas, Need, Tried, make_leg
 from granstudy.evolution.frames.rescaled import Place
-from granstudy.model.solver import Solver
+from granstudy.model.solver import SizedSolver, Solver
 from granstudy.velocity.radial import RadialGrid
 
 SPEEDS = (16, 20, 24, 28, 32, 40, 48, 64, 80, 96)
@@ -21,17 +21,21 @@ RADIUS_STEP = 1.12
 RADII_TRIED = 6
 """Most radii that are tried with a number of speeds."""
 
+RADIUS_GROWTH = 0.6
+"""R grows as this power of the number of speeds."""
+
 DEAR = 64
 """Speeds from which on a tensor takes seconds: tried only where fewer do not do."""
 
 GAIN = 0.7
 """Growth of errors over that on a grid with fewer speeds, above which more speeds gain nothing."""
 
-OUTWARDS = 3
-"""Numbers of speeds that are tried with the present ones kept."""
-
 UNRESOLVED = 3e-2
 """Part of ∫f² in the upper quarter of the modes above which speeds are too few to try."""
+
+
+Measure = Callable[[int, float], Tried]
+"""N, R ↦ the grid, tried."""
 
 
 def radial_grid(
@@ -46,47 +50,34 @@ def radial_grid(
     radius : float
         Radius to start the search from.
     """
-    best: Tried | None = None
-    in_vain = 0
-    for N in SPEEDS:
-        if _unresolved(source, RadialGrid(gas.scene.dim, N, radius)):
-            continue
-        if best is not None and (in_vain == 2 or (N >= DEAR and best.ratio <= 1.0)):
-            break
-        found = _best_radius(gas, source, place, need, N, radius, target)
-        radius = found.leg.solver.R
-        in_vain = in_vain + 1 if best is not None and found.ratio > GAIN * best.ratio else 0
-        if best is None or found.ratio < best.ratio:
-            best = found
-        if best.ratio <= target:
-            break
-    if best is None:
-        best = try_radial(gas, source, place, need, SPEEDS[-1], radius)
-    return best
+
+    def measure(N: int, R: float) -> Tried:
+        return try_radial(gas, source, place, need, N, R)
+
+    speeds = [
+        N for N in SPEEDS if not _unresolved(source, RadialGrid(gas.scene.dim, N, radius))
+    ] or SPEEDS[-1:]
+    return _fewest(measure, speeds, radius, target)
 
 
-def further_out(gas: Gas, source: Present, place: Place, need: Need, target: float) -> Tried | None:
-    """A grid with the present speeds and more beyond, the fewest with ``target``; None where none gains.
+def larger_grid(
+    gas: Gas, source: Source, place: Place, need: Need, too_small: SizedSolver, target: float
+) -> Tried | None:
+    """The next grid after one on which errors grew too fast; None after the last.
 
-    Nothing is interpolated: the speeds stay where they are.
+    The grid that made the errors cannot tell what the density is like there. So speeds become closer and R
+    larger, as `RADIUS_GROWTH` says.
     """
-    grid = source.grid
-    assert isinstance(grid, RadialGrid)
-    best: Tried | None = None
-    for N in [N for N in SPEEDS if N > grid.N][:OUTWARDS]:
-        tried = try_radial(gas, source, place, need, N, extended_radius(grid, N))
-        if best is not None and tried.ratio > GAIN * best.ratio:
-            break
-        best = tried
-        if best.ratio <= target:
-            break
-    return best
+    more = [N for N in SPEEDS if N > too_small.N]
+    if not more:
+        return None
+    N = more[0]
+    R = too_small.R * (N / too_small.N) ** RADIUS_GROWTH
 
+    def measure(N: int, R: float) -> Tried:
+        return try_radial(gas, source, place, need, N, R)
 
-def extended_radius(grid: RadialGrid, N: int) -> float:
-    """R of the grid that has N speeds, the first of which are those of another grid."""
-    unit = RadialGrid(grid.dim, N, 1.0)
-    return float(grid.nodes[0] / unit.nodes[0])
+    return _best_radius(measure, N, R, target)
 
 
 def try_radial(gas: Gas, source: Source, place: Place, need: Need, N: int, R: float) -> Tried:
@@ -97,23 +88,33 @@ def try_radial(gas: Gas, source: Source, place: Place, need: Need, N: int, R: fl
     return Tried(leg, f, need.ratio(balance, source.lost(leg.grid)), balance)
 
 
-def _best_radius(
-    gas: Gas,
-    source: Source,
-    place: Place,
-    need: Need,
-    N: int,
-    radius: float,
-    target: float,
-) -> Tried:
+def _fewest(measure: Measure, speeds: Sequence[int], radius: float, target: float) -> Tried:
+    """The fewest speeds with a radius at which errors grow by ``target`` of what is allowed, or least."""
+    best: Tried | None = None
+    in_vain = 0
+    for N in speeds:
+        if best is not None and (in_vain == 2 or (N >= DEAR and best.ratio <= 1.0)):
+            break
+        found = _best_radius(measure, N, radius, target)
+        radius = found.leg.solver.R
+        in_vain = in_vain + 1 if best is not None and found.ratio > GAIN * best.ratio else 0
+        if best is None or found.ratio < best.ratio:
+            best = found
+        if best.ratio <= target:
+            break
+    assert best is not None
+    return best
+
+
+def _best_radius(measure: Measure, N: int, radius: float, target: float) -> Tried:
     """The radius with the least growth of errors, or the first below the target; outwards, then inwards."""
-    best = try_radial(gas, source, place, need, N, radius)
+    best = measure(N, radius)
     for radii in (_steps(radius, RADIUS_STEP), _steps(radius, 1.0 / RADIUS_STEP)):
         improved = False
         for R in radii:
             if best.ratio <= target:
                 return best
-            tried = try_radial(gas, source, place, need, N, R)
+            tried = measure(N, R)
             if not tried.ratio < best.ratio:
                 break
             best, improved = tried, True
