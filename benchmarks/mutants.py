@@ -77,6 +77,13 @@ def write(rows: list[Row], table: Path) -> None:
             out.writerow((room, len(own), len(own) - len(survived), len(survived), told))
 
 
+def _is_judged_again(row: Row, again: str) -> bool:
+    """Whether a mutant of the table is among those that are asked for."""
+    if again == "all":
+        return True
+    return row.outcome == "survived" and (again == "survivors" or not row.explanation)
+
+
 @click.command()
 @click.option("--count", default=85, show_default=True, help="Mutants a room.")
 @click.option("--seed", default=1, show_default=True, help="Another seed chooses other mutants.")
@@ -87,11 +94,16 @@ def write(rows: list[Row], table: Path) -> None:
     "--only", default="", help="Mutants with this text in module or line; writes no table."
 )
 @click.option(
-    "--survivors", is_flag=True, help="Mutants that survived in the table; keeps its others."
+    "--seen", type=click.Path(path_type=Path), help="File that keeps which test runs which line."
 )
-def main(
-    count: int, seed: int, seconds: float, only: str, seen: Path | None, survivors: bool
-) -> None:
+@click.option(
+    "--again",
+    type=click.Choice(["all", "survivors", "waiting"]),
+    default="all",
+    show_default=True,
+    help="Mutants of the table to judge again; waiting are survivors without an explanation.",
+)
+def main(count: int, seed: int, seconds: float, only: str, seen: Path | None, again: str) -> None:
     """Mutate the rooms and say which mutants no test sees."""
     earlier = {row.key: row for row in read(TABLE)}
     chosen = [
@@ -103,32 +115,27 @@ def main(
         if only in f"{mutation.module} {mutation.change}"
     ]
     preload()
-    rows = []
+    rows = {one.key: earlier[one.key] for one in chosen if one.key in earlier}
     with tempfile.TemporaryDirectory() as scratch:
         original = copy_repository(Path(scratch) / "original")
         above = importers(original)
         shown = look(original, TESTS, seen and seen.absolute())
         for number, mutation in enumerate(chosen, 1):
             before = earlier.get(mutation.key)
-            if survivors and before is not None and before.outcome != "survived":
+            if before is not None and not _is_judged_again(before, again):
                 how = before.outcome
             else:
                 tests = chosen_tests(mutation, shown, above, seconds)
-                how = outcome(
-                    mutation,
-                    original,
-                    Path(scratch),
-                    tests,
-                    sum(shown.seconds[test] for test in tests),
-                )
+                allowed = sum(shown.seconds[test] for test in tests)
+                how = outcome(mutation, original, Path(scratch), tests, allowed)
             told = before.explanation if before is not None and how == "survived" else ""
-            row = Row.of(mutation, how, told)
-            rows.append(row)
+            rows[mutation.key] = Row.of(mutation, how, told)
             print(
-                f"{number}/{len(chosen)} {row.module}:{row.line} {row.mutation}: {how}", flush=True
+                f"{number}/{len(chosen)} {mutation.module}:{mutation.line} {mutation.change}: {how}",
+                flush=True,
             )
-    if not only:
-        write(rows, TABLE)
+            if not only:  # at once, so that what a stopped run has judged is kept
+                write([rows[one.key] for one in chosen if one.key in rows], TABLE)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Mutations of Python source: one small change each, of the kind that a slip of the pen makes.
 
-Only what computes is changed: no docstrings, messages, annotations or f-strings. Every change keeps the
-number of lines, so that a mutant fails where it was changed.
+Only what computes is changed: no docstrings, errors, annotations, f-strings or tables of data.
+Every change keeps the number of lines, so that a mutant fails where it was changed.
 """
 
 import ast
@@ -33,6 +33,10 @@ NAMES = {
     "fftn": "ifftn", "ifftn": "fftn",
 }  # fmt: skip
 """Functions and attributes, and what stands for them in a mutant."""
+
+
+LONG_TABLE = 8
+"""Constants that a tuple, list or dictionary may have; the entries of longer ones are data."""
 
 
 @dataclass(frozen=True)
@@ -120,6 +124,20 @@ def mutations(file: Path, root: Path) -> list[Mutation]:
     return found
 
 
+def _is_aside(node: ast.AST) -> bool:
+    """Whether a node is text, a long table of numbers, or a script's start."""
+    match node:
+        case ast.JoinedStr() | ast.Raise() | ast.Expr(ast.Call(ast.Name("print"))):
+            return True
+        case ast.Dict(values=entries) | ast.Tuple(entries) | ast.List(entries):
+            return len(entries) > LONG_TABLE and all(
+                isinstance(one, ast.Constant) for one in entries
+            )
+        case ast.If(ast.Compare(ast.Name("__name__"))):
+            return True
+    return False
+
+
 def _computing(
     tree: ast.AST, owner: str = "", compiled: bool = False
 ) -> Iterator[tuple[ast.AST, str, bool]]:
@@ -128,9 +146,7 @@ def _computing(
         if name in ("annotation", "returns", "decorator_list", "type_comment"):
             continue
         for node in value if isinstance(value, list) else [value]:
-            if not isinstance(node, ast.AST) or isinstance(
-                node, ast.JoinedStr | ast.Import | ast.Raise
-            ):
+            if not isinstance(node, ast.AST) or _is_aside(node):
                 continue
             inner, machine = owner, compiled
             if isinstance(node, ast.FunctionDef | ast.ClassDef):

@@ -115,13 +115,21 @@ def forked(folder: Path, task: Callable[[], int], seconds: float) -> str:
 
 
 def run_tests(tests: list[str], *plugins: Any) -> int:
-    """Run tests in this process, in the order given, until one fails; returns pytest's status."""
+    """Run tests in this process, in the order given; returns pytest's status.
+
+    Without plugins the first failure is the last test. Where a mutant gives a test other parameters, its name
+    is not found, and all tests of the files are run.
+    """
     import pytest
 
     options = ["-q", "-n0", "-p", "no:cacheprovider", "--basetemp=temporary", "--hypothesis-seed=0"]
     if not plugins:
         options.append("-x")
-    return int(pytest.main([*options, *tests], plugins=list(plugins)))
+    status = pytest.main([*options, *tests], plugins=list(plugins))
+    if status == pytest.ExitCode.USAGE_ERROR:
+        files = dict.fromkeys(test.partition("::")[0] for test in tests)
+        status = pytest.main([*options, *files], plugins=list(plugins))
+    return int(status)
 
 
 def look(folder: Path, tests: Sequence[str], kept: Path | None) -> Seen:
@@ -151,8 +159,13 @@ def look(folder: Path, tests: Sequence[str], kept: Path | None) -> Seen:
         found.write_text(json.dumps([watch.seconds, lines]))
         return 0
 
-    if not found.exists() and forked(folder, task, 7200) != "passed":
+    if found.exists():  # then Python's bytecode is still to be made
+        how = forked(folder, lambda: run_tests(["--collect-only", *tests]), 600)
+    else:
+        how = forked(folder, task, 7200)
+    if how != "passed":
         raise SystemExit((folder / "output").read_text())
+    shutil.rmtree(folder / "temporary", ignore_errors=True)
     seconds, lines = json.loads(found.read_text())
     numbered = {
         file: {int(line): tests for line, tests in one.items()} for file, one in lines.items()
@@ -166,20 +179,28 @@ def chosen_tests(
     """Tests to show a mutant, as many as take ``seconds``: quick ones first.
 
     These are tests that run the line; after them, as files share fixtures and caches, all others of their
-    files. Where a line runs before the tests, or is compiled, they are tests that run the module, or the
-    modules that import it.
+    files. Where a line runs before the tests or in a forked process, or is compiled, they are tests in files
+    that import the module, then tests that run the module, or the modules that import it.
     """
     direct = set(seen.tests.get(mutation.module, {}).get(mutation.line, ()))
+    named = set[str]()
+    if not direct:
+        files = above.get(mutation.module, ())
+        named = {
+            test
+            for test, taken in seen.seconds.items()
+            if taken <= seconds and test.partition("::")[0] in files
+        }
     modules = {mutation.module}
     while not direct and modules:
         direct = {
             test for one in modules for tests in seen.tests.get(one, {}).values() for test in tests
         }
         modules = {other for one in modules for other in above.get(one, ())}
-    files = {test.partition("::")[0] for test in direct}
-    beside = {test for test in seen.seconds if test.partition("::")[0] in files} - direct
+    around = {test.partition("::")[0] for test in direct}
+    beside = {test for test in seen.seconds if test.partition("::")[0] in around} - direct - named
     chosen, total = list[str](), 0.0
-    for group in (direct, beside):
+    for group in (named, direct - named, beside):
         for test in sorted(group, key=lambda one: (seen.seconds[one], one)):
             total += seen.seconds[test]
             if total > seconds and chosen:
@@ -189,7 +210,7 @@ def chosen_tests(
 
 
 def importers(root: Path) -> dict[str, set[str]]:
-    """Files that import a file, by path in the repository."""
+    """Files that import a file, tests among them, by path in the repository."""
     sys.path.append(str(root / "tests"))
     architecture = importlib.import_module("architecture")
     files = architecture.modules(root / "granstudy")
@@ -199,6 +220,11 @@ def importers(root: Path) -> dict[str, set[str]]:
             str(files[name].relative_to(root)) for name in (one.imported, one.importer)
         )
         found[imported].add(importer)
+    for test in (root / "tests").rglob("test_*.py"):
+        text = test.read_text(encoding="utf-8")
+        for name, file in files.items():
+            if f"from {name} import" in text:
+                found[str(file.relative_to(root))].add(str(test.relative_to(root)))
     return found
 
 
@@ -229,9 +255,6 @@ def outcome(
         how = forked(
             folder, lambda: run_tests(tests), 3 * seconds + (60 if mutation.compiled else 15)
         )
-        text = (folder / "output").read_text(errors="replace")
-        if how == "failed" and ("no tests ran" in text and "error" not in text.lower()):
-            raise SystemExit(text)
         return "survived" if how == "passed" else f"killed: {'test' if how == 'failed' else how}"
     finally:
         shutil.rmtree(folder)

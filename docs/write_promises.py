@@ -126,11 +126,12 @@ def _tests() -> str:
     mutants = pd.read_csv(CHECKS / "mutants_totals.csv").set_index("room")
     every = mutants.loc["all"]
     open_ones = every["survived"] - every["explained"]
+    but = f", but for {open_ones} that wait for a test" if open_ones else ""
     lines = [
         "## Mutants\n",
         f"`python benchmarks/mutants.py` put {every['mutants']} small mistakes into the mathematics, one at",
         "a time, and showed each mutant up to eight seconds of the tests that run its line. Survivors are",
-        f"explained in [the table](results/checks/mutants.csv), but for {open_ones} that wait for a test.\n",
+        f"explained in [the table](results/checks/mutants.csv){but}.\n",
         "| room | mutants | killed | survived | explained |",
         "| --- | ---: | ---: | ---: | ---: |",
     ]

@@ -105,6 +105,10 @@ def test_yaml_of_a_page_is_a_study_or_a_piece_of_one(page, folder):
         if "experiments" not in said:
             base = yaml.safe_load(BASE)
             base["experiments"]["page"] |= said
+            if "accuracy" in said:  # in place of solver and steps
+                del base["experiments"]["page"]["solver"]
+                del base["experiments"]["page"]["scene"]["e"]
+                base["experiments"]["page"] |= {"time": {"t_final": 1.0}, "sweep": [{"e": [0.5]}]}
             if "N" in said.get("refine", {}) or "N" in str(said.get("sweep", "")):
                 del base["experiments"]["page"]["solver"]["N"]
             if "scene" in str(said.get("sweep", "")):

@@ -108,11 +108,11 @@ class LiteralOperator:
         """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
 
         def transform_share(share: list[slice], work: "_BatchBuffers") -> None:
+            # The transforms are unnormalised: of anything else, repeated ones would overflow.
+            work.spectrum[...] = 0.0
             for _ in share:
                 work.backward()
                 work.forward()
-            work.density[...] = 0.0
-            work.spectrum[...] = 0.0
 
         with self._one_at_a_time:
             self.workers.map(transform_share, self.shares)

@@ -50,3 +50,17 @@ def test_mass_is_conserved_and_the_state_keeps_its_type():
     assert Q.dtype == np.float64
     assert abs(Q.sum()) < 1e-12 * np.abs(Q).sum()
     assert operator(f.astype(complex)).dtype == np.complex128
+
+
+@pytest.mark.parametrize("restitution", [0.5, lambda v: 0.5 + 0 * v], ids=["constant", "law"])
+def test_modes_whose_sum_lies_beyond_the_spectrum_give_nothing(restitution):
+    """Of −4 and −1 on 8 points −2 is a sum within the spectrum. −5 comes around as 3; −8 as 0, the mass."""
+    scene = asymmetric_scene(2, exponent=1.0, restitution=restitution)
+    for circular, modes in ((False, {-2}), (True, {-2, 3})):
+        solver = gs.Solver(N=8, R=6.0, method="direct", N_rho=8, circular=circular)
+        operator = gs.collision_operator(scene, solver)
+        phase = np.pi / operator.grid.L * operator.grid.velocities()[0] * np.ones((8, 8))
+        Q_hat = np.abs(np.fft.fft2(operator(np.exp(-4j * phase) + np.exp(-1j * phase))))
+        k = operator.grid.wavenumbers
+        found = {(int(k[i]), int(k[j])) for i, j in np.argwhere(Q_hat > 1e-6 * Q_hat.max())}
+        assert found == {(mode, 0) for mode in modes}

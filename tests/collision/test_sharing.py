@@ -87,6 +87,16 @@ def test_spectra_and_parts_of_an_evaluation_on_threads():
             np.testing.assert_array_equal(task.result(), alone)
 
 
+def test_transforms_made_again_and_again_for_benchmarks_do_not_overflow():
+    scene, literal = made("literal", threads=1)
+    Q = literal(scene.density(literal.grid))
+    for _ in range(150):  # each is a factor of 16² on what is there, and 256^128 overflows
+        literal.transform()
+    [work] = literal.workers.workspaces
+    assert np.all(np.isfinite(work.density)) and np.all(np.isfinite(work.spectrum))
+    np.testing.assert_array_equal(literal(scene.density(literal.grid)), Q)
+
+
 def test_a_tuning_beside_evaluations_gives_one_quadrature_or_the_other():
     scene, Q = made("fast, rtol")
     f = scene.density(Q.grid)
@@ -214,3 +224,13 @@ def test_a_fork_waits_for_plans_and_finds_locks_free(tmp_path):
         assert os.waitpid(child, 0)[1] == 0
         opening.result()
         pool.submit(lock.__exit__).result()
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="the platform cannot fork")
+def test_any_thread_of_a_forked_process_may_plan():
+    child = os.fork()
+    if child == 0:
+        with ThreadPoolExecutor(1) as pool:
+            free = pool.submit(planning.acquire, timeout=10.0).result()
+        os._exit(0 if free else 1)
+    assert os.waitpid(child, 0)[1] == 0

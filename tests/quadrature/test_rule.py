@@ -95,6 +95,7 @@ def test_symmetrising_makes_odd_functions_exact():
     # symmetrising alone promises 7
     whole = symmetrise(circle_rule(7))
     assert (circle_rule(7).degree, whole.degree) == (6, 7)
+    assert (circle_rule(5).degree, symmetrise(circle_rule(5)).degree) == (4, 5)
     theta = np.arctan2(whole.points[:, 1], whole.points[:, 0])
     assert abs(whole.weights @ np.exp(7j * theta)) < 1e-13
     # one point is exact for constants only; the pair, to degree 1

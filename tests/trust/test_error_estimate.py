@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import granstudy as gs
+from granstudy import theory
 from granstudy.trust.balance_times import balance_times
-from granstudy.trust.changes import change_of_moments
-from granstudy.trust.error_estimate import Imbalance, balance_of, grown
+from granstudy.trust.error_estimate import RELAXATION, Imbalance, balance_of, grown
 from granstudy.trust.flags import Trust
 from granstudy.trust.truth import errors, truth_of_dataset
 
@@ -116,23 +116,6 @@ def test_a_large_step_of_high_order_is_not_blamed_for_that_of_low_order():
     assert true < 1e-8 and estimate < 1e-7
 
 
-@pytest.mark.parametrize("grid", [gs.VelocityGrid(2, 24, 8.0), gs.RadialGrid(3, 24, 8.0)], ids=str)
-def test_changes_of_moments_are_derivatives(grid):
-    c = [v - 0.3 * (grid.shape != (24,)) * (i == 0) for i, v in enumerate(grid.velocities())]
-    f = np.exp(-sum(ci**2 for ci in c) / 2) * (1 + 0.1 * c[0] ** 4)
-    change = np.exp(-sum(ci**2 for ci in c)) * (1 + 0.4 * c[0] + c[0] ** 2)
-    h = 1e-5
-    later, before = (gs.moments(f + s * h * change, grid) for s in (1, -1))
-    found = change_of_moments(grid, f, change, scaling=0.7)
-    for name, value, scale in (
-        ("temperature", found.temperature - 0.7, 0.0),
-        ("a2", found.a2, 1.0),
-    ):
-        middle = float(later[name] + before[name]) / 2
-        slope = float(later[name] - before[name]) / (2 * h) / (scale + middle)
-        assert value == pytest.approx(slope, rel=1e-7)
-
-
 @pytest.mark.parametrize("forgetting", [0.0, 1e-6, 0.7, 300.0])
 def test_an_error_grows_and_is_forgotten(forgetting):
     # y' = −r y + a + (b − a) s/h by many small steps
@@ -151,3 +134,56 @@ def test_a_law_makes_cooling_depend_on_the_shape_of_maxwell_molecules_too():
     assert fixed.shape == 0.0 and law.shape == pytest.approx(0.1 * 3 / 16)
     assert fixed.cooling == 0.0 and law.cooling == pytest.approx(0.05)
     assert (law.temperature, law.a2, law.forgetting) == (0.0, 1e-3, 0.0)
+
+
+@pytest.mark.parametrize("exponent", [0.0, 0.5, 1.0])
+def test_an_error_of_T_is_forgotten_as_fast_as_its_rate_falls_with_T(exponent):
+    """T' = h − c T^{1+λ/2}: an error of ln T decays at −d(T'/T)/d ln T."""
+    T, h, c = 1.4, 0.2, 0.3
+
+    def rate(T):
+        return h / T - c * T ** (exponent / 2)
+
+    now = Imbalance(0.0, 0.0, cooling=rate(T) - h / T, frequency=1.0, shaping=0.0)
+    slope = (rate(T * np.exp(1e-5)) - rate(T * np.exp(-1e-5))) / 2e-5
+    assert balance_of(now, 0.0, 0.0, 0.9, 2, exponent, h / T).forgetting == pytest.approx(-slope)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_an_error_of_a2_is_forgotten_as_the_moments_of_maxwell_molecules_tell(dim):
+    """Heating forgets it at its full rate, collisions at a part of theirs (`RELAXATION`)."""
+    e, nu, T, rho, t = 0.6, 3.0, 1.2, 1.5, 1e-2
+
+    def true_and_taken(epsilon):
+        gas = {"restitution": e, "diffusion": epsilon, "density": rho, "cross_section": nu / rho}
+        pressure = rho * T * np.eye(dim)
+        one, other = (theory.maxwell_a2([0.0, t], pressure, a2, **gas)[1] for a2 in (0.0, 1.0))
+        middle = theory.maxwell_temperature([0.0, t / 2], T, **gas)[1]
+        now = Imbalance(0.0, 0.0, cooling=-0.1, frequency=nu, shaping=0.0)
+        balance = balance_of(now, 0.0, 0.0, e, dim, 0.0, 2 * epsilon / middle)
+        return np.array([-np.log(other - one) / t, balance.relaxing])
+
+    collisions, all_of_it = true_and_taken(0.0), true_and_taken(0.5)
+    assert collisions[1] == pytest.approx(RELAXATION * collisions[0], rel=1e-6)
+    heating = all_of_it - collisions
+    assert heating[1] == pytest.approx(heating[0], rel=1e-4)
+
+
+@pytest.mark.parametrize("conserve", [(), ("mass", "momentum", "energy")], ids=["none", "all"])
+def test_a_dense_gas_in_a_shorter_time_has_the_same_estimates(conserve):
+    """The collisions of 2f are twice as many: f(t) and 2f(t/2) are one solution."""
+
+    def estimates(density):
+        scene = gs.Scene(
+            2,
+            lambda vx, vy: density * np.exp(-(vx**2 + vy**2) / 2) / (2 * np.pi),
+            gs.hard_spheres(2),
+            0.5,
+        )
+        solver = gs.Solver(N=16, R=7.0, N_rho=6, M_cir=6)
+        ds = run(scene, solver, 1.0 / density, dt=0.1 / density, conserve=conserve)
+        return [ds[f"{name}_error_estimate"].values for name in ("temperature", "a2")]
+
+    for one, two in zip(estimates(1.0), estimates(2.0), strict=True):
+        assert one[-1] > 1e-6
+        np.testing.assert_allclose(two, one, rtol=1e-6)

@@ -155,3 +155,18 @@ def test_the_spectral_tail_is_the_part_of_the_square(grid):
 def test_a_temperature_below_zero_names_the_remedy():
     values = {"density": 1.0, "temperature": -0.1}
     assert "frame='rescaled'" in health.failure(values)
+
+
+@pytest.mark.parametrize(("least", "sign"), [(-0.2, 0.1), (0.0, 0.0), (0.4, 0.0)])
+def test_how_far_a_density_is_negative_is_a_part_of_its_largest_value(least, sign):
+    grid = gs.VelocityGrid(2, 8, 6.0)
+    f = np.full(grid.shape, 2.0)
+    f[3, 4] = least
+    moments = {"velocity": np.zeros(2), "temperature": 1.0, "density": 1.0, "minimum": least}
+    assert health.state_of_health(f, moments, moments, grid)["negative"] == pytest.approx(sign)
+
+
+def test_a_run_of_one_output_has_all_variables():
+    output = dict.fromkeys(health.SIGNS, 1e-09)
+    one, two = (health.health_variables([output] * count, "") for count in (1, 2))
+    assert one.keys() == two.keys() and "trust" in one and "edge" in one

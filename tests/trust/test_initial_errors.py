@@ -88,3 +88,12 @@ def test_a_density_that_ends_at_the_box_says_what_is_asked():
             gs.simulate(
                 scene, gs.Solver(N=16, R=8.0, N_rho=4, M_cir=4), t_final=0.1, dt=0.1, progress=False
             )
+
+
+def test_a_density_must_be_finite_at_every_node_that_is_asked_for():
+    def broken(vx, vy):
+        with np.errstate(invalid="ignore"):
+            return np.exp(-(vx**2) - vy**2) * np.sqrt(np.where(vx > 10.0, -1.0, 1.0))
+
+    with pytest.raises(ValueError, match="there it must be finite"):
+        true_start(gs.Scene(2, broken, gs.maxwell(2)), gs.VelocityGrid(2, 16, 6.0))

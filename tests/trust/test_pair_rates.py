@@ -6,8 +6,9 @@ from comparison import asymmetric_scene
 
 import granstudy as gs
 from granstudy import theory
+from granstudy.quadrature.deflection import deflections
 from granstudy.trust.lattice_sums import lattice_excess
-from granstudy.trust.pair_rates import CollisionRates, RatesAt
+from granstudy.trust.pair_rates import CollisionRates, RatesAt, _mean_changes
 
 
 def maxwellian(dim, exponent, restitution, temperature=1.0):
@@ -16,7 +17,7 @@ def maxwellian(dim, exponent, restitution, temperature=1.0):
     return gs.load_scene(name, kernel=kernel, restitution=restitution, temperature=temperature)
 
 
-@pytest.mark.parametrize("exponent", [0.0, 0.4, 1.0])
+@pytest.mark.parametrize("exponent", [0.0, 0.4, 0.5, 1.0])
 @pytest.mark.parametrize("dim", [2, 3])
 def test_a_maxwellian_cools_as_the_law_says(dim, exponent):
     scene = maxwellian(dim, exponent, 0.3, temperature=1.2)
@@ -158,3 +159,16 @@ def test_a_run_that_keeps_energy_computes_them_once(monkeypatch, restitution):
     scene = gs.load_scene("bkw2d", restitution=restitution)
     gs.simulate(scene, solver, t_final=0.2, dt=0.1, conserve=("mass", "energy"), progress=False)
     assert len(made) == 1
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_collision_takes_the_part_of_its_normal_velocity(dim):
+    """|g'|² − |g|² = −(1−e²)(g·n)² with (g·n)² = u²|g|², whatever e does with u; and what is left of |g|²
+    is spread evenly across g."""
+    u, mean = deflections(dim, 0.0)
+    e = np.array([0.3 + 0.7 * u, np.exp(-3 * u), np.ones(len(u))])
+    loss2, w2, wg2, length4 = _mean_changes(dim, e)
+    np.testing.assert_allclose(loss2, -((1 - e**2) * u**2) @ mean, atol=1e-14)
+    np.testing.assert_allclose(length4, (1 - (1 - e**2) * u**2) ** 2 @ mean, atol=1e-14)
+    # averaged over directions of w, the change of the fourth moment is that of |g|², (d+2)/d times
+    np.testing.assert_allclose(dim * w2 + wg2, (dim + 2) * loss2, atol=1e-14)

@@ -61,3 +61,9 @@ def test_ratios_are_of_errors_that_are_known():
     found = Judged(Trust.TRUSTED, True, Errors(1e-3, 1e-3), Errors(2e-3, 3e-3), Errors(0.0, 9e-4))
     assert found.ratios.temperature == pytest.approx(2.0)
     assert np.isnan(found.ratios.a2)
+    # 1.1e-6 by a truth known to 2e-7 may be an error of 9e-7
+    small = Judged(
+        Trust.TRUSTED, True, Errors(1.1e-6, 1.3e-6), Errors(2e-6, 2.6e-6), Errors(2e-7, 2e-7)
+    )
+    assert np.isnan(small.ratios.temperature)
+    assert small.ratios.a2 == pytest.approx(2.0)

@@ -113,6 +113,13 @@ def test_fields(fields, message):
         gs.RadialGrid(*fields)
 
 
+def test_a_matrix_between_values_and_coefficients_has_to_fit_in_memory(monkeypatch):
+    monkeypatch.setattr("granstudy.support.machine.memory", lambda: 1e9)
+    assert gs.RadialGrid(3, 11_000, 7.0).shape == (11_000,)
+    with pytest.raises(ValueError, match="N=12000: takes about 1.15 GB of memory"):
+        gs.RadialGrid(3, 12_000, 7.0)
+
+
 def test_other_grids_and_shapes():
     grid, flat = gs.RadialGrid(3, 8, 7.0), gs.VelocityGrid(2, 8, 7.0)
     for convert, shape in ((grid.to_cartesian, 8), (grid.from_cartesian, (8, 8))):

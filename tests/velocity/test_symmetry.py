@@ -82,6 +82,14 @@ def test_the_spot_check_sees_what_the_check_sees(group):
             group.spot_check(f + 1e-6 * noise, "the density")
 
 
+@each_group
+def test_what_the_spot_check_finds_symmetric_is_not_checked_at_all_points(group, monkeypatch):
+    monkeypatch.delattr(Symmetry, "check")
+    f = group.symmetrise(np.random.default_rng(2).uniform(1, 2, (8,) * group.dim))
+    for scale in (1e-9, 1.0, 1e9):
+        group.spot_check(scale * f, "f")
+
+
 def test_named_scenes_declare_what_they_have():
     grids = {dim: gs.VelocityGrid(dim, 12, 7.0) for dim in (2, 3)}
     velocities = {(0.5, -0.5, 0.0): 4, (0.0, 0.0, 1.0): 8, (1.0, 2.0, 3.0): 1, (1.0, 1.0, 1.0): 6}

@@ -7,6 +7,8 @@ import pytest
 from comparison import asymmetric_scene
 
 import granstudy as gs
+from granstudy.collision.choice.cheapest import WORTH_IT
+from granstudy.collision.choice.cost import Cost, on_threads
 from granstudy.runs.estimates import estimate_run
 from granstudy.runs.execute import execute
 from granstudy.runs.run_key import run_key
@@ -167,3 +169,22 @@ def test_a_study_leaves_the_choice_open(load):
     )
     with pytest.raises(ValueError, match="method 'radial': has other velocity nodes than its ref"):
         load(text=text)
+
+
+def test_another_method_has_to_be_cheaper_by_more_than_the_estimates_are_off(monkeypatch):
+    scene = asymmetric_scene(2, 0, HARD, 0.5)
+    seconds = {}
+
+    def stated(cost, scene, solver, evaluations):
+        return Cost(0.0, seconds[solver.method], evaluations, 1)
+
+    monkeypatch.setattr("granstudy.collision.choice.cheapest.estimate", stated)
+    for factor, method in ((0.95, "fast"), (1.05, "direct")):
+        seconds.update(fast=1.0, direct=1.0 / (factor * WORTH_IT), carleman=2.0)
+        assert gs.choose(scene, gs.Solver(N=32, R=8.0, method="auto")).solver.method == method
+
+
+def test_threads_share_the_seconds_of_one():
+    assert on_threads(6.0, 1.0, 3) == 2.0
+    assert on_threads(6.0, 0.0, 3) == on_threads(6.0, 0.5, 1) == 6.0
+    assert on_threads(6.0, 0.5, 3) == 3.0

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 from comparison import asymmetric_scene
+from scipy.special import gammaincc
 
 import granstudy as gs
+from granstudy.collision.choice.grid import R_STEP, collision_radius
 
 
 @pytest.mark.parametrize("name", ["bkw2d", "double_well2d", "maxwellian3d"])
@@ -59,3 +61,19 @@ def test_a_fitted_solver_makes_an_operator_or_the_refusal_says_why(name, rtol):
         assert "aliasing keeps" not in said  # the grid was chosen so that it does not
     else:
         assert operator.plan.error <= rtol
+
+
+@pytest.mark.parametrize("exponent", [0.0, 1.0])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_the_radius_leaves_out_the_tolerated_part_of_the_exchanged_energy(dim, exponent):
+    """In a Maxwellian pairs beyond R exchange Γ((d+2+λ)/2, R²/4T)/Γ((d+2+λ)/2) of all energy."""
+    kernel, T = gs.VHS(exponent, 1.0), 0.9
+    scene = gs.load_scene(f"maxwellian{dim}d", kernel=kernel, temperature=T, restitution=0.5)
+
+    def beyond(R):
+        return gammaincc((dim + 2 + exponent) / 2, R**2 / (4 * T))
+
+    for rtol in (1e-2, 1e-3):
+        R = collision_radius(scene, rtol)
+        # each pair of nodes counts at its own distance, within a step
+        assert beyond(R + R_STEP) < rtol < beyond(R - 2 * R_STEP)

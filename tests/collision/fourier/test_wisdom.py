@@ -161,6 +161,13 @@ def test_tuning_that_is_stopped_keeps_what_was_there(cache):
     assert wisdom.kept() == before
 
 
+def test_tuning_makes_its_folder_and_those_above(tmp_path, monkeypatch):
+    monkeypatch.setenv("GRANSTUDY_CACHE", str(tmp_path / "not" / "there"))
+    with tuning.tuning() as texts:
+        assert texts == {}
+    assert (tmp_path / "not" / "there").is_dir()
+
+
 def test_more_sizes_leave_the_plans_of_others_as_they_are(cache):
     before = tuned(SHAPES[:1])
     after = tuned(SHAPES[1:])

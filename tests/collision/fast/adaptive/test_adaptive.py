@@ -14,6 +14,7 @@ from granstudy.collision.fast.adaptive.aliasing import resolving_grids
 from granstudy.collision.fast.adaptive.allocation import allocate
 from granstudy.collision.fast.adaptive.error import MOMENT_PART, difference
 from granstudy.collision.fast.adaptive.plan import TunedOperator
+from granstudy.collision.fast.adaptive.retuning import Tuning
 from granstudy.collision.fourier.spectra import serial_transforms
 from granstudy.quadrature.ladder import ladder
 from granstudy.support.errors import ToleranceError
@@ -167,6 +168,20 @@ def test_a_run_tunes_again_and_says_so():
     fine = gs.simulate(scene, fixed, **time)
     assert "quadrature" not in fine.attrs
     assert np.max(np.abs(ds["temperature"] - fine["temperature"])) < 1e-3
+
+
+def test_a_run_that_goes_on_takes_up_its_last_plan():
+    scene = gs.load_scene("bkw2d", restitution=0.5)
+    operator = gs.collision_operator(scene, gs.Solver(N=16, R=7.0, rtol=3e-2))
+    assert isinstance(operator, TunedOperator)
+    first = operator.plan
+    last = operator.tune(gs.load_scene("maxwellian2d", temperature=1.5).density(operator.grid))
+    assert last != first
+    operator.use(first)
+    plans = [{"time": t, **plan.describe()} for t, plan in ((0.0, first), (0.5, last))]
+    tuning = Tuning(operator)
+    tuning.resume(plans)
+    assert operator.plan == last and tuning.plans == plans
 
 
 def test_a_grid_too_coarse_for_the_tolerance():
