@@ -68,7 +68,7 @@ SYMBOLS = {"temperature": "T", "a2": "a2"}
 
 def page() -> str:
     """The whole page."""
-    return "\n".join([HEAD, _attacks(), _labels(), _tests(), _faults()])
+    return "\n".join([HEAD, _attacks(), _labels(), _coverage(), _mutants(), _faults()])
 
 
 def _attacks() -> str:
@@ -122,7 +122,7 @@ def _labels() -> str:
     return "\n".join([*lines, ""])
 
 
-def _tests() -> str:
+def _mutants() -> str:
     mutants = pd.read_csv(CHECKS / "mutants_totals.csv").set_index("room")
     every = mutants.loc["all"]
     open_ones = every["survived"] - every["explained"]
@@ -137,6 +137,23 @@ def _tests() -> str:
     ]
     for room, row in mutants.iterrows():
         lines.append(f"| {room} | {' | '.join(str(n) for n in row)} |")
+    return "\n".join([*lines, ""])
+
+
+def _coverage() -> str:
+    rooms = pd.read_csv(CHECKS / "coverage.csv").set_index("room")
+    total = rooms.loc["total"]
+    lines = [
+        "## Coverage\n",
+        f"`python benchmarks/covered.py` runs the tests that are not slow. They run {total['percent']} % of",
+        f"the {int(total['statements'])} statements of granstudy. Excluded are bodies that numba compiles,",
+        "where no tracer sees them.\n",
+        "| room | statements | missed | excluded | % |",
+        "| --- | ---: | ---: | ---: | ---: |",
+    ]
+    for room, row in rooms.iterrows():
+        counts = [int(row[name]) for name in ("statements", "missed", "excluded")]
+        lines.append(f"| {room} | {' | '.join(map(str, counts))} | {row['percent']} |")
     return "\n".join([*lines, ""])
 
 

@@ -199,6 +199,20 @@ def test_a_flipped_bit_of_an_attribute_is_seen_in_the_head_too(run, tmp_path):
     assert "A=0.3" in str(read_head(path, verify=False).attrs["scene"])
 
 
+@pytest.mark.fault("B6", "B8")
+def test_a_flipped_bit_of_the_checksum_is_seen_in_the_head_too(run, tmp_path):
+    path = tmp_path / "run.nc"
+    gs.write_dataset(run.drop_vars("f"), path)
+    data = bytearray(path.read_bytes())
+    data[data.index(b"checksum") + 24] ^= (
+        1  # whoever reads all of it finds it damaged, so the head must not pass
+    )
+    path.write_bytes(data)
+    for read in (gs.read_dataset, read_head):
+        with pytest.raises(DamagedFileError, match="do not match its checksum"):
+            read(path)
+
+
 def test_damage_to_densities_is_seen_where_they_are_read(run, tmp_path):
     path = tmp_path / "run.nc"
     gs.write_dataset(run, path)

@@ -144,7 +144,8 @@ def with_moments(f: np.ndarray, grid: VelocitySpace, kept: Kept) -> np.ndarray:
     """The density changed by little, so that it has these moments exactly.
 
     f* = f + M Σ_j λ_j φ_j with φ = 1, v_i − u_i, |v−u|², |v−u|⁴, and M the Maxwellian of the gas: the change
-    with the least ∫(f* − f)²/M dv (as Q's in docs/method.md §9).
+    with the least ∫(f* − f)²/M dv (as Q's in docs/method.md §9). On a grid too coarse for that the moments come
+    as near as they can.
     """
     u = kept.velocity
     c = [v - ui for v, ui in zip(grid.velocities(), u, strict=True)]
@@ -158,7 +159,8 @@ def with_moments(f: np.ndarray, grid: VelocitySpace, kept: Kept) -> np.ndarray:
     weighted = phi * np.ravel(np.broadcast_to(grid.measure, grid.shape))
     # scaled, so that the equations are well conditioned
     size = np.sqrt(np.sum(phi**2 * maxwellian, axis=1))
+    size = np.where(size > 0.0, size, 1.0)
     matrix = (weighted / size[:, None]) @ (phi / size[:, None] * maxwellian).T
     missing = (wanted - weighted @ f.ravel()) / size
-    multipliers = np.linalg.solve(matrix, missing) / size
+    multipliers = np.linalg.lstsq(matrix, missing)[0] / size
     return f + ((multipliers @ phi) * maxwellian).reshape(grid.shape)

@@ -85,7 +85,8 @@ def checked_head(path: str | Path, verify: bool = True) -> bytes:
     Parameters
     ----------
     verify : bool
-        Whether they are compared with the checksum.
+        Whether they are compared with their checksum; and with that of the file, where there is nothing else
+        in it.
 
     Raises
     ------
@@ -98,11 +99,13 @@ def checked_head(path: str | Path, verify: bool = True) -> bytes:
         size = int.from_bytes(data[at + len(ZEROS) - 8 : at + len(ZEROS)], "big")
         if size > len(data):
             data += file.read(size - len(data))
+        is_whole = len(data) == size and not file.read(1)
     if size > len(data):
         raise damaged(path, "it is shorter than it says")
     data = data[:size]
     if verify:
-        _compare(path, data, at, VALUES[1])
+        for span in VALUES[:2] if is_whole else VALUES[1:2]:
+            _compare(path, data, at, span)
     return data
 
 
