@@ -144,8 +144,8 @@ def with_moments(f: np.ndarray, grid: VelocitySpace, kept: Kept) -> np.ndarray:
     """The density changed by little, so that it has these moments exactly.
 
     f* = f + M Σ_j λ_j φ_j with φ = 1, v_i − u_i, |v−u|², |v−u|⁴, and M the Maxwellian of the gas: the change
-    with the least ∫(f* − f)²/M dv (as Q's in docs/method.md §9). On a grid too coarse for that the moments come
-    as near as they can.
+    with the least ∫(f* − f)²/M dv (as Q's in docs/method.md §9). On a grid too coarse for that
+    the moments come as near as they can.
     """
     u = kept.velocity
     c = [v - ui for v, ui in zip(grid.velocities(), u, strict=True)]
