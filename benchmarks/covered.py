@@ -33,7 +33,7 @@ def measured(arguments: tuple[str, ...], folder: Path) -> dict[str, dict[str, An
             check=False,
         ).returncode
 
-    failed = run("run", "-m", "pytest", "-n", "0", *arguments)
+    failed = run("run", "-m", "pytest", "-n", "2", *arguments)
     run("combine", "--quiet")
     run("json", "--quiet", "-o", str(folder / "report.json"))
     if failed:
