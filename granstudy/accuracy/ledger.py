@@ -1,14 +1,12 @@
 """The accounts of a run's errors, by source, through all its grids."""
 
-import numpy as np
-
-from granstudy.trust.changes import Change
+from granstudy.trust.changes import Change, counted
 from granstudy.trust.error_estimate import (
     LARGEST,
     NOTHING,
-    STEPS_COUNT,
     Balance,
     Settled,
+    faded,
     settled,
 )
 
@@ -40,8 +38,8 @@ class Ledger:
         elapsed, self._clock = clock - self._clock, clock
         if self.balance is not None:
             for source, now in self._linear.items():
-                self._linear[source] = self._faded(now, elapsed)
-        made = _counted(error)
+                self._linear[source] = faded(now, self.balance, elapsed)
+        made = counted(error)
         self._linear["steps"] = self._linear["steps"].plus(made)
         self._made = self._made.plus(made)
 
@@ -88,7 +86,7 @@ class Ledger:
             grid = settled(grid, self.balance, self.balance, self.since_balance)
         found = {"grid": Change(min(grid.temperature, LARGEST), min(grid.a2, LARGEST))}
         found |= self._linear
-        return found | {"steps": found["steps"].plus(_counted(passing))}
+        return found | {"steps": found["steps"].plus(counted(passing))}
 
     def total(self, passing: Change = NOTHING) -> Change:
         """Errors by all sources together; ``passing`` as of `estimates`."""
@@ -97,19 +95,3 @@ class Ledger:
             min(sum(error.temperature for error in errors), LARGEST),
             min(sum(error.a2 for error in errors), LARGEST),
         )
-
-    def _faded(self, error: Change, elapsed: float) -> Change:
-        balance = self.balance
-        assert balance is not None
-        return Change(
-            float(
-                error.temperature * np.exp(-elapsed * balance.forgetting)
-                + balance.shape * min(error.a2, LARGEST) * elapsed
-            ),
-            float(error.a2 * np.exp(-elapsed * balance.relaxing)),
-        )
-
-
-def _counted(error: Change) -> Change:
-    """An error by steps as it counts."""
-    return Change(STEPS_COUNT * abs(error.temperature), STEPS_COUNT * abs(error.a2))

@@ -49,6 +49,10 @@ class Found:
     a2: float
     a3: float
 
+    def off(self, asked: Accuracy) -> float:
+        """The larger error over the one asked for."""
+        return max(self.temperature / asked.temperature, self.a2 / asked.a2)
+
 
 def cooling_state(
     scene: Scene,
@@ -171,7 +175,7 @@ def state_to(
         solver = Solver(N=N, R=R * unit, method="radial", threads=threads)
         ds = FIND[state](scene, solver, tolerance, max_iterations, progress)
         found.append(_measured(ds, found))
-        if found[-1].temperature <= asked.temperature and found[-1].a2 <= asked.a2:
+        if found[-1].off(asked) <= 1.0:
             break
     return _described(scene, asked, state, found)
 
@@ -243,7 +247,7 @@ def _described(scene: Scene, asked: Accuracy, state: str, found: list[Found]) ->
         "reached": json.dumps(reached, sort_keys=True),
         "choices": json.dumps(choices, sort_keys=True),
     }
-    off = max(last.temperature / asked.temperature, last.a2 / asked.a2)
+    off = last.off(asked)
     if off > 1.0:
         attrs["needed"] = _missing(scene, asked, state, last)
     status = Status(int(ds["status"]))

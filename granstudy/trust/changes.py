@@ -6,6 +6,9 @@ import numpy as np
 
 from granstudy.velocity.space import VelocitySpace
 
+STEPS_COUNT = 2.0
+"""Factor on the estimated errors of steps, which are right for one rate of change alone."""
+
 
 class Change(NamedTuple):
     """A change, or a rate of change: of T relative to T, and of a2 over 1 + a2."""
@@ -20,6 +23,11 @@ class Change(NamedTuple):
     def plus(self, other: "Change") -> "Change":
         """The sum of two changes."""
         return Change(self.temperature + other.temperature, self.a2 + other.a2)
+
+
+def counted(error: Change) -> Change:
+    """An error by steps as it counts."""
+    return Change(STEPS_COUNT * abs(error.temperature), STEPS_COUNT * abs(error.a2))
 
 
 def change_of_moments(

@@ -10,17 +10,13 @@ from granstudy.model.restitution import Restitution
 from granstudy.model.scene import Scene
 from granstudy.trust import health
 from granstudy.trust.balance_times import balance_times
-from granstudy.trust.changes import Change
+from granstudy.trust.changes import Change, counted
 from granstudy.trust.initial_errors import StartMoments, errors_of, true_start
 from granstudy.trust.pair_rates import CollisionRates, RatesAt
 from granstudy.velocity.space import VelocitySpace
 
 RELAXATION = 0.5
 """Rate at which an error of a2 is taken to relax, in parts of the rate of linear theory."""
-
-
-STEPS_COUNT = 2.0
-"""Factor on the estimated errors of steps, which are right for one rate of change alone."""
 
 
 LAW_EXPONENT = 1.0
@@ -213,15 +209,7 @@ class Examination:
         if self._balance is None:
             return
         elapsed, self._clock = clock - self._clock, clock
-        fading = Change(
-            np.exp(-elapsed * self._balance.forgetting), np.exp(-elapsed * self._balance.relaxing)
-        )
-        self._stepped = Change(
-            self._stepped.temperature * fading.temperature
-            + self._balance.shape * min(self._stepped.a2, LARGEST) * elapsed
-            + STEPS_COUNT * abs(error.temperature),
-            self._stepped.a2 * fading.a2 + STEPS_COUNT * abs(error.a2),
-        )
+        self._stepped = faded(self._stepped, self._balance, elapsed).plus(counted(error))
 
     def look(
         self, f: np.ndarray, values: health.Moments, passing: Change = NOTHING
@@ -244,10 +232,7 @@ class Examination:
             start = StartMoments(*(float(values[name]) for name in StartMoments._fields))
             off = errors_of(start, self._true)
             self._settled = Settled(off.temperature, off.a2, 0.0)
-        made = Change(
-            self._stepped.temperature + STEPS_COUNT * abs(passing.temperature),
-            self._stepped.a2 + STEPS_COUNT * abs(passing.a2),
-        )
+        made = self._stepped.plus(counted(passing))
         output = health.state_of_health(f, values, self._first, self._grid)
         output |= _total(self._grown(self._balance), made)
         self.outputs.append(output)
@@ -325,6 +310,17 @@ class Examination:
         if now is None:
             return self._settled
         return settled(self._settled, self._balance or now, now, self._clock - self._balanced_at)
+
+
+def faded(error: Change, balance: Balance, elapsed: float) -> Change:
+    """An error of before, as the gas has forgotten it; one of a2 makes one of T."""
+    return Change(
+        float(
+            error.temperature * np.exp(-elapsed * balance.forgetting)
+            + balance.shape * min(error.a2, LARGEST) * elapsed
+        ),
+        float(error.a2 * np.exp(-elapsed * balance.relaxing)),
+    )
 
 
 def _total(grown: Settled, made: Change) -> dict[str, float]:

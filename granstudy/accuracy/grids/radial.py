@@ -5,6 +5,7 @@ predicted but measured, in milliseconds.
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 from granstudy.accuracy.grids.sources import Source
 from granstudy.accuracy.leg import Gas, Need, Tried, make_leg
@@ -50,10 +51,7 @@ def radial_grid(
     radius : float
         Radius to start the search from.
     """
-
-    def measure(N: int, R: float) -> Tried:
-        return try_radial(gas, source, place, need, N, R)
-
+    measure = partial(try_radial, gas, source, place, need)
     speeds = [
         N for N in SPEEDS if not _unresolved(source, RadialGrid(gas.scene.dim, N, radius))
     ] or SPEEDS[-1:]
@@ -73,11 +71,7 @@ def larger_grid(
         return None
     N = more[0]
     R = too_small.R * (N / too_small.N) ** RADIUS_GROWTH
-
-    def measure(N: int, R: float) -> Tried:
-        return try_radial(gas, source, place, need, N, R)
-
-    return _best_radius(measure, N, R, target)
+    return _best_radius(partial(try_radial, gas, source, place, need), N, R, target)
 
 
 def try_radial(gas: Gas, source: Source, place: Place, need: Need, N: int, R: float) -> Tried:
