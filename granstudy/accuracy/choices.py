@@ -13,6 +13,7 @@ from granstudy.accuracy.grids.radial import larger_grid, radial_grid, try_radial
 from granstudy.accuracy.grids.sources import Initial, Present, Source, shape_error
 from granstudy.accuracy.grids.truncation import Truncation, truncation, without_noise
 from granstudy.accuracy.leg import Gas, Leg, Need, Tried
+from granstudy.evolution.frames.closed import is_closed
 from granstudy.evolution.frames.rescaled import Place
 from granstudy.model.solver import SizedSolver
 from granstudy.support.errors import ToleranceError
@@ -102,7 +103,13 @@ class Chooser:
         """
         place = Place(0.0, 0.0, self._gas.velocity)
         radius = FIRST_RADIUS * float(np.sqrt(self._start.true.temperature))
-        allowed = allowed_growth(self._asked, self._at_start, Change(0.0, 0.0), self.left)
+        allowed = allowed_growth(
+            self._asked,
+            self._at_start,
+            Change(0.0, 0.0),
+            self.left,
+            self._cut is None and is_closed(self._gas.scene),
+        )
         tried = self._search(self._start, place, allowed, radius, self._cut, too_coarse)
         chosen = self._chosen(tried, place, self._lost(self._start, tried), "the start")
         if self._cut is None:

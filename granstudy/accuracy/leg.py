@@ -80,6 +80,11 @@ class Leg:
         """The grid."""
         return self.operator.grid
 
+    @property
+    def closed(self) -> bool:
+        """Whether T and a2 have their exact rates on any grid."""
+        return isinstance(self.frame, ClosedFixedFrame | ClosedRescaledFrame)
+
     def start(self, f: np.ndarray, place: Place) -> np.ndarray:
         """The state of a density on the leg's grid, with the frame at a place."""
         if isinstance(self.frame, RescaledFrame):

@@ -291,7 +291,7 @@ class Run:
         balance = self.ledger.balance
         assert balance is not None
         left = self._left(leg, state, time)
-        return allowed_growth(self._asked, balance, self.ledger.by_grid, left)
+        return allowed_growth(self._asked, balance, self.ledger.by_grid, left, leg.closed)
 
     def _left(self, leg: Leg, state: np.ndarray, time: float) -> float:
         """Collisions' time left."""

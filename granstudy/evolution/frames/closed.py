@@ -10,14 +10,20 @@ from typing import Any
 
 import numpy as np
 
+from granstudy import theory
 from granstudy.evolution.frames.fixed import FixedFrame
 from granstudy.evolution.frames.rescaled import RescaledFrame
+from granstudy.model.restitution import Restitution
 from granstudy.model.scene import Scene
 from granstudy.trust.changes import Change, change_of_moments
 from granstudy.velocity.space import VelocitySpace
 
 ExactRates = Callable[[np.ndarray, float], Change]
 """f, 2ε/T ↦ the exact rates of T and a2. The collisions' time of Maxwell molecules is the frame's own."""
+
+
+STEEPEST = 60.0
+"""Power of a tail from which on it is as good as a Maxwellian's."""
 
 
 def is_closed(scene: Scene) -> bool:
@@ -65,7 +71,7 @@ def correction(
     f, grid = frame.density(state), frame.form.grid
     m = grid.velocity_moments(f)
     T = float(np.trace(m.pressure)) / (grid.dim * m.density)
-    changes = distinct_changes(grid, f)
+    changes = distinct_changes(grid, T, tail(frame.restitution(state), grid.dim))
     masses = changes @ grid.measure
     by_each = np.array([change_of_moments(grid, f, change) for change in changes]).T
     mass = float(np.sum(grid.measure * frame.density(rate)))
@@ -74,17 +80,26 @@ def correction(
     return frame.form.state(amounts @ changes)
 
 
-def distinct_changes(grid: VelocitySpace, f: np.ndarray) -> np.ndarray:
+def tail(restitution: Restitution, dim: int) -> float:
+    """The power with which the density of Maxwell molecules that cool comes to fall; at most `STEEPEST`."""
+    assert not callable(restitution)
+    if restitution == 1.0:
+        return STEEPEST
+    return min(dim + theory.maxwell_tail_exponent(float(restitution), dim), STEEPEST)
+
+
+def distinct_changes(grid: VelocitySpace, T: float, s: float) -> np.ndarray:
     """Three changes of a density over speeds, which change ρ, T and a2 apart from each other; shape (3, N).
 
-    They are |f| p(c²), with the polynomials up to second degree in c² that are orthogonal to all lower ones
-    in the weight |f|: of all changes with their moments those with the least ∫(δf)²/|f|.
+    They are w p(c²), with the weight w = (1 + c²/sT)^{−s/2}, which falls as the tail will, and is the
+    Maxwellian for large s. The polynomials up to second degree in c² are orthogonal to all lower ones in this
+    weight: of all changes with their moments these have the least ∫(δf)²/w.
     """
     c2 = np.square(grid.velocities()[0])
+    w = (1.0 + c2 / (s * T)) ** (-s / 2)
     powers = [np.ones_like(c2)]
-    weight = grid.measure * np.abs(f)
     for degree in (1, 2):
-        lower = np.array(powers) * weight
+        lower = np.array(powers) * (grid.measure * w)
         onto = np.linalg.solve(lower @ np.array(powers).T, lower @ c2**degree)
         powers.append(c2**degree - onto @ np.array(powers))
-    return np.asarray(np.abs(f) * np.array(powers))
+    return np.asarray(w * np.array(powers))
