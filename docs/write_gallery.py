@@ -16,7 +16,7 @@ PAGE = HERE / "gallery.md"
 
 STUDIES = {
     "paper": "The paper's tables and figures.",
-    "front": "Errors of T and a2 over the seconds of whole runs, asked for and set by hand ([results](results.md)).",
+    "front": "Errors of T and a2 over the seconds of whole runs ([results](results.md)).",
     "pareto": "Speed against error of Q, of all methods.",
     "states": "Cooling and heated states, solved for directly, by theory and by particles.",
     "hard": "Gases that a fixed grid gets wrong, with labels ([hard cases](hard.md)).",
