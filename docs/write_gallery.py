@@ -16,7 +16,8 @@ PAGE = HERE / "gallery.md"
 
 STUDIES = {
     "paper": "The paper's tables and figures.",
-    "pareto": "Speed against error of all methods.",
+    "front": "Errors of T and a2 over the seconds of whole runs ([results](results.md)).",
+    "pareto": "Speed against error of Q, of all methods.",
     "states": "Cooling and heated states, solved for directly, by theory and by particles.",
     "hard": "Gases that a fixed grid gets wrong, with labels ([hard cases](hard.md)).",
     "quick": "What CI computes anew and compares, in a minute.",

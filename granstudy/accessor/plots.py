@@ -6,7 +6,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from granstudy.analysis.figures.cooling import cooling_figure, slope_figure
-from granstudy.analysis.figures.front import benchmark_front, run_front
+from granstudy.analysis.figures.front import benchmark_front
 from granstudy.analysis.figures.plots.data import (
     at_end,
     default_abscissa,
@@ -18,6 +18,7 @@ from granstudy.analysis.figures.plots.data import (
 from granstudy.analysis.figures.plots.labels import symbol_of
 from granstudy.analysis.figures.plots.profiles import profile_figure
 from granstudy.analysis.figures.plots.quantity import lines_figure, map_figure
+from granstudy.analysis.figures.plots.whole_runs import run_front
 from granstudy.reading.cooling import haff, slopes
 
 Quantity = str | xr.DataArray
@@ -133,9 +134,9 @@ class Plots:
         return lines_figure(y, x, self._trust, **{"yscale": "log"} | look)
 
     def front(self) -> Figure:
-        """Draw time against error: of a benchmark's dataset, or of a table of runs beside a truth."""
+        """Draw a front: of a benchmark's dataset, or of a table of runs with a truth and their seconds."""
         if "truth" in self._given.attrs:
-            return run_front(self._given)
+            return run_front([self._given])
         return benchmark_front([self._given])
 
     def local_slope(self, quantity: str = "temperature", **look: Any) -> Figure:

@@ -8,6 +8,9 @@ import xarray as xr
 from granstudy.analysis.groups import groups, keys, values_of
 from granstudy.model.methods import YARDSTICK
 
+ASKED = "accuracy"
+"""Family of the runs that were asked for an accuracy, and the parameter that says which."""
+
 TOLERANCE = ", rtol"
 SINGLE = ", single"
 ON_GPU = ", gpu"
@@ -18,13 +21,16 @@ PAPERS_OWN = (YARDSTICK, "full")
 
 
 def families(table: xr.Dataset) -> list[str]:
-    """Family of each run, a line of a front: the method, with `TOLERANCE`, `SINGLE`, `ON_GPU`."""
+    """Family of each run, a line of a front: `ASKED`, or the method with `TOLERANCE`, `SINGLE`, `ON_GPU`."""
     return [
-        str(method)
+        ASKED
+        if accuracy > 0
+        else str(method)
         + TOLERANCE * bool(rtol > 0)
         + SINGLE * (precision == "single")
         + ON_GPU * (device == "gpu")
-        for method, rtol, precision, device in zip(
+        for accuracy, method, rtol, precision, device in zip(
+            values_of(table, ASKED, -1.0),
             values_of(table, "method"),
             values_of(table, "rtol", -1.0),
             values_of(table, "precision"),

@@ -8,6 +8,7 @@ from math import ceil
 from pathlib import Path
 
 from granstudy.runs.estimates import estimate_run
+from granstudy.study.schema.experiment import EvolutionTableModel
 from granstudy.study.study import Member
 from granstudy.support.files import write_json
 
@@ -82,6 +83,9 @@ class Job:
 def jobs(runs: Sequence[Sequence[Member]], cores: int | None) -> list[Job]:
     """Divide runs into jobs, in their order; the longest job comes first.
 
+    Runs of an experiment whose table has their seconds share one job: a process loads code at its first run,
+    which so is part of one run's seconds alone.
+
     Parameters
     ----------
     runs : sequence of sequences of Member
@@ -97,14 +101,27 @@ def jobs(runs: Sequence[Sequence[Member]], cores: int | None) -> list[Job]:
     together = 0.0
     for run in [*runs, None]:
         alone = run is None or seconds_of(run) >= enough
-        other = run is not None and bool(waiting) and threads_of(run) != threads_of(waiting[0])
-        if waiting and (together >= enough or alone or other):
+        other = run is not None and bool(waiting) and _apart(run, waiting[0])
+        full = (together >= enough or alone) and not (run and waiting and _timed(run))
+        if waiting and (full or other):
             found.append(_job(waiting))
             waiting, together = [], 0.0
         if run is not None:
             waiting.append(run)
             together += seconds_of(run)
     return sorted(found, key=lambda job: -job.total)
+
+
+def _timed(run: Sequence[Member]) -> str:
+    """The experiment whose table has the run's seconds; "" where none has."""
+    table = run[0].run.model.table
+    timed = isinstance(table, EvolutionTableModel) and table.seconds
+    return run[0].experiment if timed else ""
+
+
+def _apart(run: Sequence[Member], other: Sequence[Member]) -> bool:
+    """Whether two runs do not share a job, whatever they cost."""
+    return threads_of(run) != threads_of(other) or _timed(run) != _timed(other)
 
 
 def _job(runs: Sequence[Sequence[Member]]) -> Job:

@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+from granstudy.accuracy.asked import CHOSEN
 from granstudy.evolution.times import TimeSettings
 from granstudy.model.load_scene import load_scene
-from granstudy.model.methods import METHODS, PARTICLES
+from granstudy.model.methods import ACCURACIES, METHODS, PARTICLES
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.runs.computation import Computation
@@ -25,7 +26,7 @@ from granstudy.study.schema.experiment import (
 )
 from granstudy.study.schema.generated import Section
 from granstudy.study.schema.sections import SolverModel, TimeModel, TimesModel
-from granstudy.study.schema.words import COORDINATES
+from granstudy.study.schema.words import COORDINATES, place
 from granstudy.support.own_code.load import is_reference
 
 SHARED_WITH_REFERENCE = ("N", "R", "N_rho")
@@ -110,6 +111,7 @@ class Run:
         update = {
             "scene": model.scene.model_copy(update=_set(truth.scene)),
             "solver": truth.solver,
+            "accuracy": None,
             "time": time.model_copy(update=_set(truth.time)),
             "truth": None,
             "refine": None,
@@ -183,7 +185,7 @@ class Run:
         if isinstance(self.model, LabelsExperiment):
             return self._case.solver
         swept = self._values_of(SolverModel.model_fields)
-        settings = self.model.solver_words | swept
+        settings = swept if self._asks_in_place else self.model.solver_words | swept
         if not _takes(settings, "particles"):
             # So that an experiment can sweep over methods, one of them by particles.
             settings = _without(settings, PARTICLES - swept.keys())
@@ -206,13 +208,25 @@ class Run:
         return Solver(**settings)
 
     @property
+    def _asks_in_place(self) -> bool:
+        """Whether the run's block asks for an accuracy, and another block does not.
+
+        The experiment's solver, steps and frame are then those of the other blocks.
+        """
+        asking = [bool(set(ACCURACIES) & set(block)) for block in self.model.sweep]
+        return any(key in ACCURACIES for key, _ in self.values) and not all(asking)
+
+    @property
     def time_fields(self) -> dict[str, Any]:
         """How an evolution goes through time, as `granstudy.simulate` takes it; unset fields stay out."""
         if isinstance(self.model, LabelsExperiment):
             return dict(self._case.time)
         assert isinstance(self.model, EvolutionExperiment)
         model = self.model.time
-        fields = model.model_dump(exclude_none=True) | self._values_of(TimeModel.model_fields)
+        fields = model.model_dump(exclude_none=True)
+        if self._asks_in_place:
+            fields = _without(fields, CHOSEN)
+        fields |= self._values_of(TimeModel.model_fields)
         steps_open = self.solver.accuracy is not None
         if "dt" not in fields and "time_rtol" not in fields and not steps_open:
             raise ValueError("dt: set time.dt or sweep dt, or set or sweep time_rtol")
@@ -238,6 +252,12 @@ class Run:
         refine = None if self.is_reference else getattr(self.model, "refine", None)
         ladder = None if refine is None else refine.refinement
         return Computation(self.model.computes, self.scene, self.solver, fields, refinement=ladder)
+
+
+def swept_words(runs: Iterable[Run]) -> list[str]:
+    """Words that some of the runs sweep, in the order of a run's path."""
+    words = dict.fromkeys(word for run in runs for word, _ in run.values)
+    return sorted(words, key=place)
 
 
 def _takes(settings: dict[str, Any], field: str) -> bool:

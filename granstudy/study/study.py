@@ -22,7 +22,7 @@ from granstudy.study.schema.file import StudyFile, read_study_file, study_model
 from granstudy.study.schema.names import check_run_path
 from granstudy.study.schema.sweeps import values_of
 from granstudy.study.schema.values import cut
-from granstudy.study.schema.words import SWEPT
+from granstudy.study.schema.words import place
 from granstudy.support.errors import unknown_name
 
 
@@ -169,7 +169,7 @@ def _by_path(runs: Iterable[Run]) -> dict[str, Run]:
 def _expand(name: str, experiment: Experiment, folder: Path) -> Iterator[Run]:
     """The runs of an experiment, each before those that it is measured against."""
     for block in experiment.sweep:
-        keys = sorted(block, key=lambda key: SWEPT.index(key) if key in SWEPT else len(SWEPT))
+        keys = sorted(block, key=place)
         lists = [_values(key, block[key]) for key in keys]
         for values in itertools.product(*lists):
             run = Run(name, experiment, tuple(zip(keys, values, strict=True)), folder=folder)

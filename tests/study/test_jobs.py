@@ -61,6 +61,17 @@ def test_work_is_divided_by_its_cost_so_that_all_cores_have_some(load, cores):
     assert max(job.total for job in divided) < LONGEST + max(job.seconds[0] for job in divided)
 
 
+def test_runs_whose_seconds_are_shown_share_the_job_of_their_experiment(load):
+    """What a process loads at its first run is then part of the seconds of one run alone."""
+    truth = "    truth: {solver: {method: radial, N: 16, R: 8.0}, time: {dt: 0.1}}\n    sweep:"
+    timed = load("    sweep:", f"    table: {{quantity: a2, seconds: true}}\n{truth}")
+    (job,) = jobs(left(timed), cores=2)
+    assert len(job.runs) == len(timed.members) == 10  # the truths, too
+    others = left(load())
+    divided = jobs([*left(timed), *others], cores=2)
+    assert job in divided and jobs(others, cores=2) == [one for one in divided if one != job]
+
+
 def test_two_runs_of_some_seconds_are_two_jobs_on_two_cores(load):
     study = load("{e: [0.2, 0.5], N: [8, 32768, 10, 12]", "{e: [0.2, 0.5], N: [4096]")
     assert [len(job.runs) for job in jobs(left(study), cores=2)] == [1, 1]

@@ -69,7 +69,7 @@ FIGURES: dict[str, Drawer] = {
     ),
     "front": Drawer(
         draw_front,
-        "seconds for one evaluation of Q against its error",
+        "seconds against errors, of evaluations of Q or of whole runs",
         check_front,
         takes=("beside",),
     ),

@@ -1,4 +1,4 @@
-"""The front of speed against error: a panel a scene, or of whole runs a panel a measure."""
+"""The front of speed against error: of evaluations of Q a panel a scene; of whole runs see `run_front`."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from granstudy.analysis.columns import symbol
-from granstudy.analysis.figures.plots.marks import mark, trust_handles
+from granstudy.analysis.figures.plots.whole_runs import check_seconds, run_front
 from granstudy.analysis.figures.style import (
     PANEL_HEIGHT,
     WIDTH,
@@ -20,8 +20,7 @@ from granstudy.analysis.figures.style import (
 )
 from granstudy.analysis.labels import families
 from granstudy.analysis.source import FigureSource
-from granstudy.study.benchmark.front import fastest_within, on_front
-from granstudy.trust.flags import Status, Trust
+from granstudy.study.benchmark.front import fastest_within
 
 COLUMNS = 2
 """Panels side by side."""
@@ -29,23 +28,14 @@ COLUMNS = 2
 FRONT = "front: none is faster at that error"
 BASELINE = "baseline, and the fastest at its error"
 
-RUN_ERRORS = ("largest_temperature_error", "largest_a2_error")
-"""Errors of runs beside a truth, a panel each."""
-
 
 def check_front(source: FigureSource) -> None:
     """Raise ValueError unless the tables have what a front shows: seconds, errors, and one baseline each."""
-    if "truth" in source.table.attrs:
-        _check_seconds(source.table)
-        if source.beside:
-            raise ValueError("figure.beside: only a front of benchmarks shows others")
-        return
-    _check_errors([source.table, *source.beside])
+    (check_seconds if "truth" in source.table.attrs else _check_errors)(_tables(source))
 
 
-def _check_seconds(table: xr.Dataset) -> None:
-    if "seconds" not in table:
-        raise ValueError(f"{table.attrs['title']}: a front needs table.seconds: true")
+def _tables(source: FigureSource) -> list[xr.Dataset]:
+    return [source.table, *source.beside]
 
 
 def _check_errors(tables: Sequence[xr.Dataset]) -> None:
@@ -63,10 +53,9 @@ def _check_errors(tables: Sequence[xr.Dataset]) -> None:
 
 
 def draw_front(source: FigureSource) -> Figure:
-    """Draw time against error: a panel a table of a benchmark, a panel a measure of runs beside a truth."""
-    if "truth" in source.table.attrs:
-        return run_front(source.table)
-    return benchmark_front([source.table, *source.beside])
+    """Draw a front: of evaluations of Q, or of whole runs where the table has a truth; others beside it."""
+    draw = run_front if "truth" in source.table.attrs else benchmark_front
+    return draw(_tables(source))
 
 
 def benchmark_front(tables: Sequence[xr.Dataset]) -> Figure:
@@ -91,7 +80,7 @@ def benchmark_front(tables: Sequence[xr.Dataset]) -> Figure:
     parts = [table.isel(run=_timed_on_all_threads(table)) for table in tables]
     styles = family_styles(name for part in parts for name in families(part))
     for ax, table, part in zip(axes.flat, tables, parts, strict=False):
-        _lines(ax, part, part["error"].values, part["front"].values, styles)
+        _lines(ax, part, styles)
         _mark_baseline(ax, part)
         if len(tables) > 1:
             ax.set_title(table.attrs["title"])
@@ -106,58 +95,25 @@ def benchmark_front(tables: Sequence[xr.Dataset]) -> Figure:
     return figure
 
 
-def run_front(table: xr.Dataset) -> Figure:
-    """Draw the wall time of runs against their errors of T and of a2, a panel each.
-
-    Parameters
-    ----------
-    table : xarray.Dataset
-        From `granstudy.analysis.tables.table.experiment_table`, of runs beside a truth, with their seconds.
-
-    Raises
-    ------
-    ValueError
-        If the table does not have the seconds.
-    """
-    _check_seconds(table)
-    table = table.isel(run=np.flatnonzero(table["status"] == Status.OK))
-    figure = Picture(figsize=(WIDTH, PANEL_HEIGHT + 0.9), layout="constrained")
-    axes = figure.subplots(1, 2, sharey=True)
-    styles = family_styles(families(table))
-    for ax, measure in zip(axes, RUN_ERRORS, strict=True):
-        error = table[measure].values
-        _lines(ax, table, error, on_front(table["seconds"].values, error), styles)
-        ax.set_xlabel(symbol(measure))
-    axes[0].set_ylabel("time of the run (s)")
-    handles = [*_handles(styles), *trust_handles([table["trust"].values])]
-    figure.legend(handles=handles, loc="outside lower center", ncols=4)
-    return figure
-
-
 def _timed_on_all_threads(table: xr.Dataset) -> list[int]:
     """Runs on the most threads that have numbers."""
     most = table["threads"] == table["threads"].max()
     return np.flatnonzero((most & np.isfinite(table["error"])).values).tolist()
 
 
-def _lines(
-    ax: Axes,
-    table: xr.Dataset,
-    error: np.ndarray,
-    best: np.ndarray,
-    styles: dict[str, FamilyStyle],
-) -> None:
+def _lines(ax: Axes, table: xr.Dataset, styles: dict[str, FamilyStyle]) -> None:
     """Draw a line for each family, and the front through the best runs."""
-    seconds, family = table["seconds"].values, np.array(families(table))
-    trust = table["trust"].values if "trust" in table else np.full(seconds.size, Trust.TRUSTED)
+    error, seconds, family = (
+        table["error"].values,
+        table["seconds"].values,
+        np.array(families(table)),
+    )
     for name, style in styles.items():
         own = np.flatnonzero(family == name)
         order = own[np.argsort(error[own])]
         if own.size:
-            look = _look(style)
-            ax.plot(error[order], seconds[order], linewidth=0.8, color=style.colour, zorder=3)
-            mark(ax, error[order], seconds[order], trust[order], look)
-    front = np.flatnonzero(best)
+            ax.plot(error[order], seconds[order], linewidth=0.8, **_look(style))
+    front = np.flatnonzero(table["front"].values)
     front = front[np.argsort(error[front])]
     ax.plot(error[front], seconds[front], drawstyle="steps-post", **_front_look())
     ax.set(xscale="log", yscale="log")

@@ -24,6 +24,9 @@ JUDGED = {"truth", "state"}
 HIDDEN = ("has_paper", "reason")
 """Columns left out: `paper` is empty where `has_paper` is false, and reasons stand below the table."""
 
+LONG_CELL = 12
+"""Characters of a parameter beyond which it is rounded."""
+
 NO_NUMBER = {str(value) for value in ABSENT.values() if not isinstance(value, str | bool)}
 """Numbers that stand for a parameter that a run lacks; their cells stay empty."""
 
@@ -71,12 +74,20 @@ def _cells(table: xr.Dataset, names: Sequence[str]) -> list[tuple[str, ...]]:
     return [tuple("" if text in NO_NUMBER else text for text in row) for row in texts]
 
 
+def _short(cell: str) -> str:
+    """A cell as a reader wants it: a number that was chosen, with all its digits, to six."""
+    try:
+        return f"{float(cell):.6g}" if len(cell) > LONG_CELL else cell
+    except ValueError:
+        return cell
+
+
 def _long(table: xr.Dataset, swept: list[str]) -> tuple[list[str], list[list[str]]]:
     """One line a run, all columns."""
     hidden = (*HIDDEN, *(() if JUDGED & set(table.attrs) else ("status",)))
     names = [str(name) for name in table.data_vars if name not in hidden]
     lines = [
-        [*cells, *(_number(table, name, i) for name in names)]
+        [*map(_short, cells), *(_number(table, name, i) for name in names)]
         for i, cells in enumerate(_cells(table, swept))
     ]
     return [*map(parameter_heading, swept), *map(heading, names)], lines

@@ -27,7 +27,7 @@ from granstudy.datasets.parameters import ABSENT
 from granstudy.particles.dataset import COUNTS
 from granstudy.study.benchmark.benchmark import benchmark_dataset
 from granstudy.study.benchmark.measure import Measurement
-from granstudy.study.run import Run
+from granstudy.study.run import Run, swept_words
 from granstudy.study.schema.experiment import EvolutionExperiment
 from granstudy.study.schema.words import coordinate
 from granstudy.trust.exact_law import has_exact_law
@@ -205,9 +205,9 @@ def _values(source: TableSource, names: Iterable[str]) -> xr.Dataset:
         for name, value in _coordinates(first).items()
         if value is not None
     }
-    for place, (word, _) in enumerate(first.values):
-        column = [run.values[place][1] for run, _ in rows]
-        coords |= _swept(coordinate(word), column)
+    for word in swept_words(run for run, _ in rows):
+        name = coordinate(word)
+        coords |= _swept(name, [_value(run, word, name) for run, _ in rows])
     data = {name: _ones(count) for name in names}
     flags = {"status": int(Status.OK), "trust": 0}
     return xr.Dataset(
@@ -227,6 +227,12 @@ def _swept(name: str, values: list[Any]) -> dict[str, Any]:
     if all(isinstance(value, int | float) for value in values):
         return {name: ("run", np.array(values))}
     return {name: ("run", np.array([str(value) for value in values], dtype=object))}
+
+
+def _value(run: Run, word: str, name: str) -> Any:
+    """A run's value of a swept word, whether or not its block sweeps it; None where it has none."""
+    swept = dict(run.values)
+    return swept[word] if word in swept else _coordinates(run).get(name)
 
 
 def _coordinates(run: Run) -> dict[str, Any]:

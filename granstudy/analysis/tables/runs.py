@@ -11,10 +11,11 @@ from granstudy.analysis.source import Row, TableSource
 from granstudy.analysis.tables.fits import FITS
 from granstudy.datasets.netcdf import read_dataset
 from granstudy.datasets.open_runs import final_values
+from granstudy.datasets.parameters import ABSENT
 from granstudy.model.identity import coordinate
 from granstudy.model.methods import METHODS
 from granstudy.particles.dataset import BY_BATCH, time_average
-from granstudy.study.run import canonical
+from granstudy.study.run import Run, canonical, swept_words
 from granstudy.study.schema.experiment import AverageModel, EvolutionExperiment
 from granstudy.support.errors import unknown_name
 from granstudy.support.variables import Variable, labelled
@@ -105,13 +106,14 @@ def check_quantity(quantity: str, table: xr.Dataset) -> None:
 
 def with_swept(table: xr.Dataset, rows: Sequence[Row]) -> xr.Dataset:
     """Keep swept parameters along ``run``; one value of each other one."""
-    swept = [coordinate(key) for key, _ in rows[0].run.values]
+    words = swept_words(run for run, _ in rows)
+    swept = [coordinate(word) for word in words]
     if "M_sph" in swept and "N_theta" in table.coords and (table["N_theta"] > 0).any():
         swept[swept.index("M_sph") + 1 : swept.index("M_sph") + 1] = ["N_theta", "N_phi"]
     table = table.assign_coords(
         {
-            coordinate(word): ("run", _as_coordinate([dict(run.values)[word] for run, _ in rows]))
-            for word, _ in rows[0].run.values
+            coordinate(word): ("run", _as_coordinate([_swept_value(run, word) for run, _ in rows]))
+            for word in words
             if coordinate(word) not in table.coords
         }
     )
@@ -122,6 +124,11 @@ def with_swept(table: xr.Dataset, rows: Sequence[Row]) -> xr.Dataset:
     )
     table.attrs["swept"] = " ".join(swept)
     return table
+
+
+def _swept_value(run: Run, word: str) -> Any:
+    """A run's value of a swept word; where its block does not sweep it, what stands for none."""
+    return dict(run.values).get(word, ABSENT.get(coordinate(word), ""))
 
 
 def _as_coordinate(values: Sequence[Any]) -> np.ndarray:

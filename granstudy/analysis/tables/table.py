@@ -22,7 +22,7 @@ from granstudy.analysis.tables.runs import (
     evolution_table,
 )
 from granstudy.analysis.tables.states import state_table
-from granstudy.analysis.tables.truth import truth_table
+from granstudy.analysis.tables.truth import KNOWN_TO, truth_table
 from granstudy.datasets.netcdf import write_dataset
 from granstudy.datasets.run_dataset import CONVENTIONS
 from granstudy.study.run import Run
@@ -73,7 +73,17 @@ KINDS: dict[str, Kind] = {
 }
 """Kinds of runs, as a study file's ``run`` names them."""
 
-KEPT = ("swept", "quantity", "refined", "paper_quantity", "dim", "state", "beside", "truth")
+KEPT = (
+    "swept",
+    "quantity",
+    "refined",
+    "paper_quantity",
+    "dim",
+    "state",
+    "beside",
+    "truth",
+    *KNOWN_TO,
+)
 """Attributes of a table that its file keeps, beside title and conventions."""
 
 

@@ -30,15 +30,20 @@ AT_THE_END = {
 """Long names of moments; a run that diverged has them up to there."""
 
 
+KNOWN_TO = ("temperature_known_to", "a2_known_to")
+"""Attributes of the table: how well T, relative, and a2 are known by the worst of its truths."""
+
+
 def truth_table(source: TableSource) -> xr.Dataset:
     """A row for each run: `MEASURES`, label, T and a2 at the end, `status`, seconds if asked for.
 
-    The attribute `truth` names the truths, and how well T and a2 are known by them.
+    The attribute `truth` names the truths, and how well T and a2 are known by them, of which `KNOWN_TO` are
+    the numbers.
     """
     rows, files = source.rows, source.by_path
     table = final_values([row.file for row in rows])[[*AT_THE_END, "trust", "status"]]
     columns: dict[str, list[float]] = {name: [] for name in MEASURES}
-    sources: dict[str, None] = {}
+    truths: list[Truth] = []
     for run, file in rows:
         ds = read_dataset(file)
         truth = truth_of(run, files, ds["time"].values)
@@ -47,10 +52,14 @@ def truth_table(source: TableSource) -> xr.Dataset:
         columns["largest_a2_error"].append(found.a2)
         for name in ("temperature_error_estimate", "a2_error_estimate"):
             columns[name].append(float(ds[name].max()) if ds.sizes["time"] else np.nan)
-        sources[_known(truth)] = None
+        truths.append(truth)
     if wants_seconds(source):
         columns["seconds"] = [run_seconds(file) for _, file in rows]
-    return truth_columns(source, table, columns, list(sources))
+    known = list(dict.fromkeys(map(_known, truths)))
+    table = truth_columns(source, table, columns, known)
+    uncertain = [(truth.temperature_uncertainty, truth.a2_uncertainty) for truth in truths]
+    table.attrs |= dict(zip(KNOWN_TO, map(max, zip(*uncertain, strict=True)), strict=True))
+    return table
 
 
 def wants_seconds(source: TableSource) -> bool:

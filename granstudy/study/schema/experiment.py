@@ -1,6 +1,6 @@
 """One experiment of a study file: runs of one kind, swept. A class a kind, told apart by ``run``."""
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -142,9 +142,6 @@ class FigureModel(Section):
 class SweptExperiment(Section):
     """What experiments of every kind have: a title, a sweep, and what is made of the runs."""
 
-    same_parameters: ClassVar[bool] = True
-    """Whether all blocks of the sweep must set the same parameters."""
-
     title: str
     run: str
     threads: Annotated[int, Field(ge=1, description="cores a run takes")] = 1
@@ -161,6 +158,15 @@ class SweptExperiment(Section):
     def has_truth(self) -> bool:
         """Whether its runs are held against a truth."""
         return False
+
+    @property
+    def same_parameters(self) -> bool:
+        """Whether all blocks of the sweep must set the same parameters.
+
+        Runs beside a truth, and runs that are timed, are compared by what comes out. Each of their blocks may
+        say what it needs, one an accuracy, another N and R.
+        """
+        return not self.has_truth
 
     @property
     def computes(self) -> str:
@@ -184,7 +190,10 @@ class SweptExperiment(Section):
             for key in block:
                 self._check_swept(key)
         if len(set(keys)) > 1 and self.same_parameters:
-            raise ValueError(f"sweep: all blocks must set the same parameters, got {keys}")
+            raise ValueError(
+                "sweep: all blocks must set the same parameters, except those of runs with a truth or of a "
+                f"benchmark; got {keys}"
+            )
         return self
 
     def _check_swept(self, key: str) -> None:
@@ -273,13 +282,16 @@ class CollisionExperiment(ExperimentBase):
 class BenchmarkExperiment(ExperimentBase):
     """Evaluations of Q that are timed in turn."""
 
-    same_parameters: ClassVar[bool] = False
-
     run: Literal["benchmark"]
     reference: Annotated[
         SolverModel | None, Field(description="the solver that errors are measured against")
     ] = None
     timing: TimingModel = TimingModel()
+
+    @property
+    def same_parameters(self) -> bool:
+        """Each block says what its runs need."""
+        return False
 
 
 class StateExperiment(ExperimentBase):

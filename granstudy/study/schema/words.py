@@ -23,3 +23,8 @@ _ORDER = {COORDINATES.get(name, name): place for place, name in enumerate(PARAME
 
 SWEPT = tuple(sorted(_FIELDS, key=lambda name: _ORDER.get(name, len(_ORDER))))
 """Words that a study can sweep, in the order of a run's path."""
+
+
+def place(word: str) -> int:
+    """Place of a swept word in a run's path; arguments of own functions come last."""
+    return SWEPT.index(word) if word in SWEPT else len(SWEPT)
