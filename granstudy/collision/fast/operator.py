@@ -13,6 +13,7 @@ weight w_r/|H|. The fast sum without H differs from it by aliasing alone: each p
 of its two nodes there, at the images of r here.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 
 import numpy as np
@@ -31,12 +32,9 @@ from granstudy.quadrature import half
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.symmetry import Symmetry
 
-MakeGain = Callable[[Scene, SizedSolver, VelocityGrid, Nodes], Gain]
-"""Makes the sum over nodes, on the CPU (`gain_sum`) or on another device."""
 
-
-class NodalOperator:
-    """Q(f,f) for real f by a sum over given nodes.
+class GainLossOperator(ABC):
+    """Q(f,f) for real f: the gain as a sum over given nodes, the loss as one convolution, symmetrised.
 
     Parameters
     ----------
@@ -46,19 +44,12 @@ class NodalOperator:
         are formed as well.
     group : Symmetry
         Group under which the sum is symmetrised. Densities must have this symmetry.
-    loss : ndarray, shape (N, N', N/2+1)
-        G⁻ on the half spectrum of ``grid``.
     """
 
-    def __init__(self, grid: VelocityGrid, gain: Gain, group: Symmetry, loss: np.ndarray) -> None:
+    def __init__(self, grid: VelocityGrid, gain: Gain, group: Symmetry) -> None:
         self.grid = grid
         self.gain = gain
         self.group = group
-        self._loss = loss.astype(np.complex128)  # NumPy multiplies complex by complex fastest
-        self._shape = grid.three_axis_shape
-        self._single = RealTransforms(self._shape)
-        self._lost = RealTransforms(self._shape)
-        self._inner = self._single if gain.grid == grid else RealTransforms(gain.shape)
         self.transforms = gain.transforms + serial_transforms(grid.N, gain.grid.N)
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
@@ -67,27 +58,68 @@ class NodalOperator:
         if np.iscomplexobj(f):
             raise ValueError(f"density has type {f.dtype}: method 'fast' takes real densities")
         self.group.spot_check(f, "the density")
-        f = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
-        f_hat = self._spectrum(f)
-        if self.gain.grid.N > self.grid.N:
-            Q = self._single.backward(self._padded_spectrum(f_hat))
-        else:
-            self._filter_loss(f_hat)
-            self._single.spectrum[...] = self._gain_spectrum(f, f_hat)
-            self._single.execute_backward()
-            Q = np.empty_like(f)
-            rows = (-1, self.grid.N)
-            loops.subtract_loss(
-                self._single.rows, f.reshape(rows), self._lost.rows, Q.reshape(rows)
-            )
         # The loss has the symmetry already. Symmetrised with the gain, its round-off has it too.
-        return self.group.symmetrise(Q.reshape(self.grid.shape))
+        return self.group.symmetrise(self._collide(self._wide(f)).reshape(self.grid.shape))
 
     def loss(self, f: np.ndarray) -> np.ndarray:
         """Q⁻(f,f) alone."""
-        wide = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
-        self._filter_loss(self._spectrum(wide))
-        return (wide * self._lost.density).reshape(f.shape)
+        return self._lose(self._wide(f)).reshape(f.shape)
+
+    @abstractmethod
+    def transform(self) -> None:
+        """Make the transforms of one call on the same threads or device and nothing else, for benchmarks."""
+
+    @abstractmethod
+    def _collide(self, f: np.ndarray) -> np.ndarray:
+        """Q(f,f) before it is symmetrised, of a density (N, N', N)."""
+
+    @abstractmethod
+    def _lose(self, f: np.ndarray) -> np.ndarray:
+        """Q⁻(f,f) of a density (N, N', N)."""
+
+    def _wide(self, f: np.ndarray) -> np.ndarray:
+        return np.ascontiguousarray(f, dtype=np.float64).reshape(self.grid.three_axis_shape)
+
+
+MakeOperator = Callable[
+    [Scene, SizedSolver, VelocityGrid, Nodes, Symmetry, np.ndarray], GainLossOperator
+]
+"""Makes the operator of a scene and a solver, on the CPU (`nodal_operator`) or on another device. Further
+arguments: the grid of the products, the nodes, the group, and G⁻ on the half spectrum."""
+
+
+class NodalOperator(GainLossOperator):
+    """Q(f,f) for real f by a sum over given nodes, on threads.
+
+    Parameters
+    ----------
+    loss : ndarray, shape (N, N', N/2+1)
+        G⁻ on the half spectrum of ``grid``.
+    """
+
+    def __init__(self, grid: VelocityGrid, gain: Gain, group: Symmetry, loss: np.ndarray) -> None:
+        super().__init__(grid, gain, group)
+        self._loss = loss.astype(np.complex128)  # NumPy multiplies complex by complex fastest
+        shape = grid.three_axis_shape
+        self._single = RealTransforms(shape)
+        self._lost = RealTransforms(shape)
+        self._inner = self._single if gain.grid == grid else RealTransforms(gain.shape)
+
+    def _collide(self, f: np.ndarray) -> np.ndarray:
+        f_hat = self._spectrum(f)
+        if self.gain.grid.N > self.grid.N:
+            return self._single.backward(self._padded_spectrum(f_hat))
+        self._filter_loss(f_hat)
+        self._single.spectrum[...] = self._gain_spectrum(f, f_hat)
+        self._single.execute_backward()
+        Q = np.empty_like(f)
+        rows = (-1, self.grid.N)
+        loops.subtract_loss(self._single.rows, f.reshape(rows), self._lost.rows, Q.reshape(rows))
+        return Q
+
+    def _lose(self, f: np.ndarray) -> np.ndarray:
+        self._filter_loss(self._spectrum(f))
+        return np.asarray(f * self._lost.density)
 
     def transform(self) -> None:
         """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
@@ -130,14 +162,22 @@ class NodalOperator:
         return resize(self.gain.total(f_n, f_hat_n) - lost / f_n.size, self.grid.N)
 
 
-def gain_sum(scene: Scene, solver: SizedSolver, grid: VelocityGrid, nodes: Nodes) -> GainSum:
-    """The sum over ``nodes`` on the CPU, on the solver's threads and in its precision."""
-    return GainSum(scene, grid, nodes, solver.thread_count, precision=solver.precision)
+def nodal_operator(
+    scene: Scene,
+    solver: SizedSolver,
+    products: VelocityGrid,
+    nodes: Nodes,
+    group: Symmetry,
+    loss: np.ndarray,
+) -> NodalOperator:
+    """The operator of given nodes on the CPU, on the solver's threads and in its precision."""
+    gain = GainSum(scene, products, nodes, solver.thread_count, precision=solver.precision)
+    return NodalOperator(solver.grid(scene.dim), gain, group, loss)
 
 
 def fast_operator(
-    scene: Scene, solver: SizedSolver, make_gain: MakeGain = gain_sum
-) -> NodalOperator:
+    scene: Scene, solver: SizedSolver, make: MakeOperator = nodal_operator
+) -> GainLossOperator:
     """The operator with the solver's rule: N_rho shells, each with the same directions."""
     grid = solver.grid(scene.dim)
     radial, rule = radial_nodes(scene, solver), directions(scene, solver)
@@ -148,8 +188,7 @@ def fast_operator(
     else:
         loss = nodal_loss(grid, place_nodes(scene, grid, radial, [half(rule)] * len(radial)))
     products = VelocityGrid(scene.dim, solver.product_points, solver.R)
-    gain = make_gain(scene, solver, products, nodes)
-    return NodalOperator(grid, gain, group, spectrum_axes(grid, loss))
+    return make(scene, solver, products, nodes, group, spectrum_axes(grid, loss))
 
 
 def nodal_loss(grid: VelocityGrid, nodes: Nodes) -> np.ndarray:

@@ -6,7 +6,7 @@ from granstudy.collision.fast.adaptive.build import planned_operator, refine
 from granstudy.collision.fast.adaptive.error import quadrature_error
 from granstudy.collision.fast.adaptive.plan import QuadraturePlan
 from granstudy.collision.fast.adaptive.search import make_plan
-from granstudy.collision.fast.operator import MakeGain, gain_sum
+from granstudy.collision.fast.operator import MakeOperator, nodal_operator
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver
 
@@ -20,11 +20,13 @@ class AdaptiveOperator:
         The quadrature in use, first made for the scene's initial density.
     """
 
-    def __init__(self, scene: Scene, solver: SizedSolver, make_gain: MakeGain = gain_sum) -> None:
+    def __init__(
+        self, scene: Scene, solver: SizedSolver, make: MakeOperator = nodal_operator
+    ) -> None:
         self.scene = scene
         self.solver = solver
         self.grid = solver.grid(scene.dim)
-        self._make_gain = make_gain
+        self._make = make
         self._use(make_plan(scene, solver, scene.density(self.grid)))
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
@@ -52,7 +54,7 @@ class AdaptiveOperator:
 
     def _use(self, plan: QuadraturePlan) -> None:
         self.plan = plan
-        self.operator = planned_operator(self.scene, self.solver, plan, self._make_gain)
+        self.operator = planned_operator(self.scene, self.solver, plan, self._make)
         self.transforms = self.operator.transforms
         finer = refine(self.scene, self.solver, plan)
-        self._finer = planned_operator(self.scene, self.solver, finer, self._make_gain)
+        self._finer = planned_operator(self.scene, self.solver, finer, self._make)

@@ -32,8 +32,8 @@ def no_gpu(monkeypatch):
     def no_cupy():
         raise ModuleNotFoundError("No module named 'cupy'", name="cupy")
 
-    monkeypatch.setattr(device, "_cupy_gpu", no_cupy)
-    monkeypatch.setattr(device, "_torch_gpu", lambda: None)
+    monkeypatch.setitem(device.LIBRARIES, "CuPy", no_cupy)
+    monkeypatch.setitem(device.LIBRARIES, "PyTorch", lambda: None)
 
 
 @pytest.mark.parametrize(
