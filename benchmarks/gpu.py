@@ -44,6 +44,9 @@ R = 7.0
 FIXED = {"N_rho": 30, "M_sph": 38, "sphere_rule": "lebedev"}
 RULES: dict[str, dict[str, Any]] = {"30 x 38": FIXED, "rtol=1e-3": {"rtol": 1e-3}}
 
+ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""Variables that give each process of the tests one thread for its matrix products."""
+
 ROUNDS = 15
 """Evaluations that a median is taken over."""
 
@@ -174,7 +177,12 @@ def run_tests(folder: Path, seconds: float, processes: int) -> str:
     with open(folder / "tests.txt", "w") as log:
         try:
             status = subprocess.call(
-                [*command, TESTS], cwd=ROOT, stdout=log, stderr=subprocess.STDOUT, timeout=seconds
+                [*command, TESTS],
+                cwd=ROOT,
+                env=os.environ | dict.fromkeys(ONE_THREAD, "1"),
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                timeout=seconds,
             )
         except subprocess.TimeoutExpired:
             return f"failed: stopped after {seconds:.0f} s"
