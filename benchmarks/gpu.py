@@ -9,6 +9,7 @@ a measurement failed, or a GPU's Q differs from the CPU's.
 """
 
 import argparse
+import contextlib
 import functools
 import gc
 import os
@@ -91,10 +92,10 @@ class Clock:
         self._seconds[row.rule, row.precision, row.where] = row.N, row.seconds
 
 
-def timed(call: Callable[[], object]) -> list[float]:
-    """Seconds of several calls after a first, or of the first where that one is long."""
+def timed(call: Callable[[], object], least: int = 2) -> list[float]:
+    """Seconds of several calls after a first; of the first alone where it is long and ``least`` is 1."""
     times: list[float] = []
-    while len(times) < 1 + ROUNDS and sum(times) < PATIENCE:
+    while len(times) < least or (len(times) < 1 + ROUNDS and sum(times) < PATIENCE):
         start = time.perf_counter()
         call()
         times.append(time.perf_counter() - start)
@@ -156,7 +157,7 @@ def measure(
         nonlocal Q
         Q = operator(f)
 
-    times = timed(call)
+    times = timed(call, least=1 if device is None else 2)  # a GPU's first call compiles
     peak_mb = np.nan if memory is None else memory.peak_mb
     bare = timed(operator.transform) if device else [np.nan]
     measured = replace(
@@ -170,8 +171,9 @@ def measure(
     return measured, Q
 
 
-def run_tests(folder: Path, seconds: float, processes: int) -> str:
+def run_tests(folder: Path, seconds: float) -> str:
     """The last line of the tests' output, which is kept in ``tests.txt``."""
+    processes = min(8, len(os.sched_getaffinity(0)))
     command = [sys.executable, "-m", "pytest", "-q", "-n", str(processes), "-p", "no:cacheprovider"]
     start = time.perf_counter()
     with open(folder / "tests.txt", "w") as log:
@@ -257,6 +259,17 @@ def batches(N: int, devices: dict[str, Device], clock: Clock, report: Report) ->
     report.write()
 
 
+def warm_up(devices: dict[str, Device]) -> None:
+    """Compile what is compiled at a first call, before many processes of the tests do."""
+    f = SCENE.density(gs.VelocityGrid(3, 8, R))
+    for precision in EQUAL:
+        solver = solver_of(8, "30 x 38", precision)
+        fast_operator(SCENE, solver)(f)
+        for device in devices.values():
+            with contextlib.suppress(Exception):  # the rows will say what does not work
+                fast_operator(SCENE, solver, operator_on(device))(f)
+
+
 def add_cpu_memory(report: Report, clock: Clock) -> None:
     """Fill in the CPU's memory, of planning and one evaluation in processes of their own."""
     cores = len(os.sched_getaffinity(0))
@@ -289,13 +302,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     clock = Clock(options.minutes)
     devices, missing = find_devices(options.libraries)
     report = Report(options.folder, facts_of_machine(options.commit) | missing)
-    cores = len(os.sched_getaffinity(0))
-    for precision in EQUAL:  # compiles, before many processes of the tests would
-        small = solver_of(8, "30 x 38", precision)
-        fast_operator(SCENE, small)(SCENE.density(gs.VelocityGrid(3, 8, R)))
+    warm_up(devices)
     tests = "left out"
     if not options.no_tests:
-        tests = run_tests(options.folder, min(150.0, clock.left), min(8, cores))
+        tests = run_tests(options.folder, min(150.0, clock.left))
     report.facts["tests of the GPU"] = tests
     print("\n".join(f"{name}: {value}" for name, value in report.facts.items()), flush=True)
     for N in sorted(options.sizes):
