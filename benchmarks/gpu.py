@@ -2,10 +2,10 @@
 
     python benchmarks/gpu.py docs/results/checks
 
-runs the tests of the GPU, then evaluates Q of a scene without symmetry on grids of ascending size, and writes
-``gpu.csv``, ``gpu.md`` and the tests' output ``gpu_tests.txt`` into the folder. The tables are written anew
-after each size. What does not fit into the time, or fails, is said in them. The exit status is 1 where a test or
-a measurement failed, or a GPU's Q differs from the CPU's.
+runs the tests of the GPU, then evaluates Q of a scene without symmetry on grids of ascending size. It writes
+``gpu.csv``, ``gpu.md`` and the output of the tests, ``gpu_tests.txt``, into the folder; the tables anew after
+each size. What does not fit into the time, or fails, is said in them. The exit status is 1 where a test or a
+measurement failed, or a GPU's Q differs from the CPU's.
 """
 
 import argparse
