@@ -14,6 +14,7 @@ from granstudy.states.dataset import state_dataset
 from granstudy.states.equation import SteadyEquation, gas_of
 from granstudy.states.newton import DENSE, Solution, newton
 from granstudy.support.checks import check_count, is_real
+from granstudy.support.machine import one_blas_thread
 from granstudy.support.progress import Progress, watched
 from granstudy.trust.changes import change_of_moments
 from granstudy.trust.error_estimate import a2_relaxation, imbalance
@@ -88,6 +89,7 @@ def state_evaluations(solver: SizedSolver) -> int:
     return 2 * STEPS * VECTORS
 
 
+@one_blas_thread()
 def _state(
     scene: Scene,
     solver: Solver,
