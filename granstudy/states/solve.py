@@ -29,6 +29,10 @@ VECTORS = 40
 """Vectors of GMRES in a step of Newton's method, about; each takes two evaluations of Q."""
 
 
+SECONDS, SECONDS_PER_CUBE = 0.03, 5.0e-7
+"""Seconds of a state beside evaluations of Q: whatever its size, and over N³ (exact steps)."""
+
+
 def cooling_state(
     scene: Scene,
     solver: Solver,
@@ -87,6 +91,12 @@ def state_evaluations(solver: SizedSolver) -> int:
     if solver.traits.radial and solver.N + 2 <= DENSE:
         return 2 * STEPS * (solver.N + 2)
     return 2 * STEPS * VECTORS
+
+
+def solving_seconds(solver: SizedSolver) -> float:
+    """Seconds of finding a state beside evaluations of Q, about."""
+    exact = solver.traits.radial and solver.N + 2 <= DENSE
+    return SECONDS + SECONDS_PER_CUBE * solver.N**3 * exact
 
 
 @one_blas_thread()
