@@ -15,6 +15,7 @@ from granstudy.datasets.parameters import parameter
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.states.solve import FIND, check_state
+from granstudy.support.machine import one_blas_thread
 from granstudy.support.progress import Progress
 from granstudy.trust.flags import Status
 
@@ -141,6 +142,7 @@ def _state(
     return FIND[state](scene, solver, *how)
 
 
+@one_blas_thread()
 def state_to(
     scene: Scene,
     asked: Accuracy,
