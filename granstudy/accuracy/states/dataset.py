@@ -14,6 +14,15 @@ from granstudy.model.scene import Scene
 from granstudy.support.variables import labelled
 from granstudy.trust.flags import Status
 
+TAILS = {
+    "cooling": (
+        "A of the tail exp(−A c^λ); at λ = 0, s of c^−s",
+        "−d ln f/d c^λ; at λ = 0, −d ln f/d ln c;",
+    ),
+    "heated": ("A of the tail exp(−A c^(1+λ/2))", "−d ln f/d c^(1+λ/2)"),
+}
+"""What the rate and the slope of a state's tail are."""
+
 
 def described(
     scene: Scene, asked: Accuracy, state: str, answer: Found, grids: Sequence[Found], unit: float
@@ -65,17 +74,16 @@ def _numbers(
     K, power = float(answer.ds["cooling_coefficient"]), tail_power(scene, state)
     rate, rate_error = tail_rate(scene, state, K, answer.temperature)
     seen = far_slope(grids[-2].ds, grids[-1].ds, scene.dim, unit, power)
-    law = "s of the tail c^−s" if power == 0.0 else f"A of the tail exp(−A c^{power:g})"
-    against = "ln c" if power == 0.0 else f"c^{power:g}"
+    law, against = TAILS[state]
     return {
         "cooling_coefficient_error": labelled(
             answer.temperature, "estimated relative error of K and T"
         ),
         "a2_error": labelled(answer.a2, "estimated error of a2"),
         "a3_error": labelled(answer.a3, "estimated error of a3"),
-        "tail_rate": labelled(rate, f"{law}, c = |v−u|/√T, to leading order"),
+        "tail_rate": labelled(rate, f"{law}, c = |v−u|/√T"),
         "tail_rate_error": labelled(rate_error, "estimated error of tail_rate, by that of K"),
-        "far_slope": labelled(seen.value, f"−d ln f/d {against} at far_speed"),
+        "far_slope": labelled(seen.value, f"{against} at far_speed"),
         "far_slope_error": labelled(seen.error, "estimated error of far_slope"),
         "far_speed": labelled(
             seen.speed, "largest speed |v−u|/√T at which two grids agree on the tail's slope"
