@@ -100,3 +100,18 @@ def test_errors_by_changes(values, error):
 def test_a_change_that_is_small_by_chance_is_no_small_error():
     error = ladder.error_by_changes([0.1, 0.03, 1e-9])
     assert error == pytest.approx(2 * 0.5 * 0.3 * 0.03 * 0.3 / 0.7)
+
+
+def test_the_round_off_of_a_moment_grows_with_the_box():
+    """ε max g ∫|c|^{2n} dv over the ball of radius L: nothing at R = 8, 1e-4 in a3 at R = 45."""
+    scene = gas(1.0, 0.5)
+    small, large = (
+        gs.cooling_state(scene, gs.Solver(N=N, R=R, method="radial"), progress=False)
+        for N, R in ((24, 8.0), (64, 45.0))
+    )
+    assert ladder.moment_round_off(small, 3) < 1e-9
+    L = 1.3 * 45.0
+    expected = ladder.EPSILON * float(large["g"].max()) * 4 * np.pi * L**9 / 9 / (3 * 5 * 7)
+    assert ladder.moment_round_off(large, 3) == pytest.approx(expected, rel=0.1)
+    ratio = ladder.moment_round_off(large, 3) / ladder.moment_round_off(large, 2)
+    assert ratio == pytest.approx(L**2 * 7 / 9 / 7, rel=0.1)

@@ -36,6 +36,9 @@ EXPECTED = 0.5
 ROUND_OFF = 1e-9
 """Changes so small are round-off, and have no order."""
 
+EPSILON = 4.0 * float(np.finfo(float).eps)
+"""Round-off of a density, over its largest value."""
+
 BALANCED = 3.0
 """Factor by which the error of a2 is below that of the balance of a state, at least (docs/states.md §2)."""
 
@@ -68,14 +71,26 @@ def measured(states: Sequence[xr.Dataset]) -> Found:
         unit = abs(values[-1]) if relative else 1.0
         return error_by_changes([abs(b - a) / unit for a, b in pairwise(values)])
 
-    a2 = error("a2")
+    a2 = error("a2") + moment_round_off(last, 2)
     if len(states) < 4:  # two ratios of changes are not known yet
         a2 = max(a2, float(last["a2_error_estimate"]) / BALANCED)
     temperature = max(error("cooling_coefficient", True), error("temperature", True))
-    a3 = error("a3")
+    a3 = error("a3") + moment_round_off(last, 3)
     return Found(
         last, min(temperature, UNKNOWN), min(a2, UNKNOWN), a3 if np.isfinite(a3) else np.nan
     )
+
+
+def moment_round_off(ds: xr.Dataset, n: int) -> float:
+    """Round-off of ⟨|c|^{2n}⟩, over its value for a Gaussian: far out, powers of c make it large.
+
+    Every node counts with `EPSILON` of the largest density.
+    """
+    dim, theta = ds.sizes["component"], float(ds["velocity_scale"])
+    T = float(ds["temperature"]) / theta**2
+    gaussian = float(ds["density"]) * np.prod([(dim + 2 * k) * T for k in range(n)])
+    sum_over_nodes = float((ds["c_weight"] * ds["c"] ** (2 * n)).sum())
+    return EPSILON * float(ds["g"].max()) * sum_over_nodes / float(gaussian)
 
 
 def error_by_changes(changes: Sequence[float]) -> float:

@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 
 from granstudy import theory
-from granstudy.accuracy.states.ladder import SAFETY
 from granstudy.model.scene import Scene
 from granstudy.states.tail import filtered_values
 from granstudy.trust.flags import Status
@@ -21,6 +20,10 @@ INNER = 0.7
 
 AGREEMENT = 0.01
 """Relative difference of two grids' slopes up to which they agree."""
+
+
+SLOPE_SAFETY = 3.0
+"""Factor on the difference of two grids' slopes."""
 
 
 class Slope(NamedTuple):
@@ -64,7 +67,7 @@ def far_slope(coarse: xr.Dataset, fine: xr.Dataset, dim: int, unit: float, power
     """The fine grid's slope at the largest speed up to which both grids agree; NaN where they nowhere do.
 
     Densities are compared as they are and filtered (`granstudy.states.tail.filtered_values`); the farther
-    speed counts. The error is `SAFETY` times the largest difference at this speed and at the two before.
+    speed counts. The error is `SLOPE_SAFETY` times the largest difference at this speed and the two before.
 
     Parameters
     ----------
@@ -93,7 +96,7 @@ def _agreed(speeds: np.ndarray, coarse: np.ndarray, fine: np.ndarray) -> Slope:
     count = agree.size if agree.all() else int(np.argmin(agree))
     if count == 0:
         return NOWHERE
-    error = SAFETY * float(difference[max(count - 3, 0) : count].max())
+    error = SLOPE_SAFETY * float(difference[max(count - 3, 0) : count].max())
     return Slope(float(speeds[count - 1]), float(fine[count - 1]), error)
 
 

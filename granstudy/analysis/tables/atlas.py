@@ -115,7 +115,8 @@ def _joined(parts: Sequence[xr.Dataset], dim: str, along: list[str]) -> xr.Datas
 def _part(table: xr.Dataset) -> xr.Dataset:
     """One table over λ and e, with the names of an atlas."""
     names = {column: f"{name}_error" for name, column in WITH_ERRORS.items()}
-    kept = table[[n for n in (*WITH_ERRORS, *names, *OTHERS) if n in table]].rename(names)
+    pairs = [n for pair in WITH_ERRORS.items() for n in pair]
+    kept = table[[n for n in (*pairs, *OTHERS) if n in table]].rename(names)
     shared = [n for n in ASKED if n in table.coords]
     kept = kept.drop_vars([n for n in kept.coords if n not in (*AXES, *shared)])
     part = unstack_runs(kept, ["exponent", "e"])
