@@ -7,7 +7,7 @@ import xarray as xr
 
 from granstudy.accuracy.asked import Accuracy
 from granstudy.accuracy.dataset import trust_as_asked
-from granstudy.accuracy.states.ladder import LADDER, Found
+from granstudy.accuracy.states.ladder import Found
 from granstudy.accuracy.states.tails import far_slope, tail_power, tail_rate
 from granstudy.datasets.parameters import parameter
 from granstudy.model.scene import Scene
@@ -93,11 +93,11 @@ def _numbers(
 
 def _missing(asked: Accuracy, state: str, answer: Found) -> str:
     """Why a state missed its accuracy."""
-    N, R = LADDER[-1]
+    N, R = int(answer.ds["N"]), float(answer.ds["R"])
     text = (
         f"K and T were asked to {asked.temperature:.1e} and reached to {answer.temperature:.1e}, a2 to "
-        f"{asked.a2:.1e} and {answer.a2:.1e}, with N={N} and R={R:g} √T"
+        f"{asked.a2:.1e} and {answer.a2:.1e}, with N={N} and R={R:g}"
     )
     if state == "cooling":
-        return f"{text}; the tail falls slowly, and a larger R gains slowly"
+        return f"{text}; the tail falls slowly: a larger R gains little, and adds round-off"
     return text

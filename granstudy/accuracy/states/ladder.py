@@ -36,7 +36,7 @@ EXPECTED = 0.5
 ROUND_OFF = 1e-9
 """Changes so small are round-off, and have no order."""
 
-EPSILON = 4.0 * float(np.finfo(float).eps)
+EPSILON = 2.0 * float(np.finfo(float).eps)
 """Round-off of a density, over its largest value."""
 
 BALANCED = 3.0
@@ -91,6 +91,13 @@ def moment_round_off(ds: xr.Dataset, n: int) -> float:
     gaussian = float(ds["density"]) * np.prod([(dim + 2 * k) * T for k in range(n)])
     sum_over_nodes = float((ds["c_weight"] * ds["c"] ** (2 * n)).sum())
     return EPSILON * float(ds["g"].max()) * sum_over_nodes / float(gaussian)
+
+
+def round_off_beyond(ds: xr.Dataset, R: float) -> float:
+    """Round-off of a2 on the next grid of the ladder after that with R; it grows as R^{d+4}."""
+    larger = [radius for _, radius in LADDER if radius > R]
+    growth = (larger[0] / R) ** (ds.sizes["component"] + 4) if larger else 1.0
+    return growth * moment_round_off(ds, 2)
 
 
 def error_by_changes(changes: Sequence[float]) -> float:
