@@ -33,7 +33,7 @@ FASTEST = 0.2
 EXPECTED = 0.5
 """A change counts as at least this part of what the changes before let expect: one may be small by chance."""
 
-ROUND_OFF = 1e-9
+ROUND_OFF = 1e-8
 """Changes so small are round-off, and have no order."""
 
 EPSILON = 2.0 * float(np.finfo(float).eps)
