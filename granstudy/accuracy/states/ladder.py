@@ -24,7 +24,7 @@ LADDER = (
 )
 """Speeds, and R in units of √T, of the grids that are tried."""
 
-SAFETY = 2.0
+SAFETY = 3.0
 """Factor on what the changes from grid to grid say of the error."""
 
 FASTEST = 0.2
@@ -34,7 +34,7 @@ EXPECTED = 0.5
 """A change counts as at least this part of what the changes before let expect: one may be small by chance."""
 
 ROUND_OFF = 1e-8
-"""Changes so small are round-off, and have no order."""
+"""Changes so small are round-off and what Newton's method leaves: they have no order, and no error is less."""
 
 EPSILON = 2.0 * float(np.finfo(float).eps)
 """Round-off of a density, over its largest value."""
@@ -109,7 +109,7 @@ def error_by_changes(changes: Sequence[float]) -> float:
     """
     *_, last = changes
     if max(changes[-2:]) <= ROUND_OFF:
-        return SAFETY * max(changes[-2:])
+        return SAFETY * ROUND_OFF
     if len(changes) == 1 or 0.0 in changes[-3:-1]:
         return SAFETY * last
     ratios = [after / before for before, after in pairwise(changes[-3:])]
@@ -119,4 +119,4 @@ def error_by_changes(changes: Sequence[float]) -> float:
     if len(ratios) == 1:
         return SAFETY * last * max(1.0, ratio / (1.0 - ratio))
     expected = EXPECTED * ratios[0] * changes[-2]
-    return SAFETY * max(last, expected) * ratio / (1.0 - ratio)
+    return max(SAFETY * max(last, expected) * ratio / (1.0 - ratio), ROUND_OFF)
