@@ -34,7 +34,7 @@ EXPECTED = 0.5
 """A change counts as at least this part of what the changes before let expect: one may be small by chance."""
 
 ROUND_OFF = 1e-8
-"""Changes so small are round-off and what Newton's method leaves: they have no order, and no error is less."""
+"""Changes so small are round-off and what Newton's method leaves; no error is less."""
 
 EPSILON = 2.0 * float(np.finfo(float).eps)
 """Round-off of a density, over its largest value."""

@@ -15,7 +15,7 @@ from granstudy.velocity.sphere import sphere_area
 FIRST, STEP, HALF_WIDTH = 2.0, 0.25, 0.25
 """First speed at which slopes are compared, the distance of such speeds, and the half width of a slope."""
 
-INNER = 0.7
+INNER = 0.5
 """Part of R within which slopes are compared: beyond it the tail feels where the grid ends."""
 
 AGREEMENT = 0.01

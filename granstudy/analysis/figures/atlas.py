@@ -46,7 +46,7 @@ class Row:
 
 
 ROWS = (
-    Row("$a_2$", lambda ds: ds["a2"], "symlog", 0.03),
+    Row("$a_2$", lambda ds: ds["a2"], "symlog", 0.01),
     Row(
         r"linear theory: $a_{2,\mathrm{lin}}-a_2$", lambda ds: ds["a2_linear"] - ds["a2"], "symlog"
     ),
@@ -58,7 +58,7 @@ ROWS = (
         "symlog",
         1e-5,
     ),
-    Row("$A$ of the tail ($s$ at $\\lambda=0$, cooling)", lambda ds: ds["tail_rate"], "log"),
+    Row("tail: $A$\n(cooling, $\\lambda=0$: $s$)", lambda ds: ds["tail_rate"], "log"),
     Row("estimated error of $a_2$", lambda ds: ds["a2_error"].where(ds["exponent"] > 0), "log"),
 )
 """The rows of an atlas, from top to bottom."""
@@ -137,7 +137,7 @@ def _hatch(ax: Axes, part: xr.DataArray, trust: np.ndarray) -> None:
             corner = left + j * width, bottom + i * height
             ax.add_patch(
                 Rectangle(
-                    corner, width, height, fill=False, edgecolor="0.3", linewidth=0.0, hatch=hatch
+                    corner, width, height, fill=False, edgecolor="0.1", linewidth=0.0, hatch=hatch
                 )
             )
 
