@@ -89,7 +89,9 @@ def test_the_tail_is_seen_as_far_as_grids_agree(heated):
         ([1.0, 1.1, 1.15, 1.175], 0.025),  # a geometric series, of which 0.025 is to come
         ([1.0, 1.1, 1.101], 0.001),
         ([1.0, 1.1, 1.25], np.inf),
-        ([1.0, 1.0, 1.1], 0.1),
+        ([1.0, 1.0, 1.1], np.inf),
+        # A change that is small by chance counts as the next one; the last then counts as 0.025.
+        ([1.0, 1.4, 1.2, 1.2 + 1e-6, 1.15, 1.1375], 0.025 * 0.5**0.5 / (1 - 0.5**0.5)),
         ([1.0, 1.0 + 1e-11, 1.0 + 4e-11], ladder.ROUND_OFF),
     ],
 )
@@ -100,7 +102,9 @@ def test_errors_by_changes(values, error):
 
 def test_a_change_that_is_small_by_chance_is_no_small_error():
     error = ladder.error_by_changes([0.1, 0.03, 1e-9])
-    assert error == pytest.approx(ladder.SAFETY * 0.5 * 0.3 * 0.03 * 0.3 / 0.7)
+    least = ladder.EXPECTED * 0.3 * 0.03
+    ratio = np.sqrt(least / 0.1)
+    assert error == pytest.approx(ladder.SAFETY * least * ratio / (1 - ratio))
 
 
 def test_the_round_off_of_a_moment_grows_with_the_box():

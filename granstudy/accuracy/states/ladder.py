@@ -103,20 +103,20 @@ def round_off_beyond(ds: xr.Dataset, R: float) -> float:
 def error_by_changes(changes: Sequence[float]) -> float:
     """Error of the last of some values, by the changes from each to the next.
 
-    Changes are taken to go on as a geometric series, with the larger of the last two ratios. The sum of those
+    Changes are taken to go on as a geometric series. Its ratio is the last one, or the mean of the last two
+    where that is larger; a change that is smaller than a later one counts as that one. The sum of the changes
     to come, times `SAFETY`, is the error; inf where they do not fall. From a single ratio the sum is not
     taken to be less than the last change.
     """
-    *_, last = changes
-    if max(changes[-2:]) <= ROUND_OFF:
+    *before, last = np.maximum.accumulate(np.asarray(changes)[::-1])[::-1][-3:].tolist()
+    if max([*before[-1:], last]) <= ROUND_OFF:
         return SAFETY * ROUND_OFF
-    if len(changes) == 1 or 0.0 in changes[-3:-1]:
+    if not before:
         return SAFETY * last
-    ratios = [after / before for before, after in pairwise(changes[-3:])]
-    ratio = max(*ratios, FASTEST)
-    if ratio >= 1.0:
-        return np.inf
-    if len(ratios) == 1:
-        return SAFETY * last * max(1.0, ratio / (1.0 - ratio))
-    expected = EXPECTED * ratios[0] * changes[-2]
-    return max(SAFETY * max(last, expected) * ratio / (1.0 - ratio), ROUND_OFF)
+    if len(before) == 1:
+        ratio = max(last / before[0], FASTEST)
+        return SAFETY * last * max(1.0, ratio / (1.0 - ratio)) if ratio < 1.0 else np.inf
+    first, second = before
+    last = max(last, EXPECTED * second**2 / first)
+    ratio = max(last / second, float(np.sqrt(last / first)), FASTEST)
+    return max(SAFETY * last * ratio / (1.0 - ratio), ROUND_OFF) if ratio < 1.0 else np.inf
