@@ -9,7 +9,7 @@ import xarray as xr
 
 from granstudy.accuracy.asked import Accuracy
 from granstudy.accuracy.evolve import Limits, evolve_to
-from granstudy.accuracy.states import state_to
+from granstudy.accuracy.states.find import state_to
 from granstudy.collision.operator import choose
 from granstudy.evolution.forecast import expected_evaluations
 from granstudy.evolution.simulate import advance, computed_by
