@@ -20,7 +20,7 @@ from granstudy.accuracy.grids.cartesian import LARGEST_RTOL, POINTS, SMALLEST_RT
 from granstudy.accuracy.grids.radial import RADIUS_STEP, SPEEDS
 from granstudy.accuracy.run import LOOSEST, STEP_TOLERANCE, TIGHTEST
 from granstudy.accuracy.setup import PROBE_RADIUS, RESCALED
-from granstudy.accuracy.states import LADDER
+from granstudy.accuracy.states.ladder import LADDER
 from granstudy.collision.choice.cost import Cost, estimate
 from granstudy.collision.choice.method_costs import FAST, RADIAL
 from granstudy.evolution.forecast import evolution_cost, expected_evaluations
