@@ -9,7 +9,7 @@ from comparison import asymmetric_scene
 
 import granstudy as gs
 from granstudy.accuracy.asked import Accuracy
-from granstudy.accuracy.states import LADDER
+from granstudy.accuracy.states.ladder import LADDER
 from granstudy.collision.choice.cost import Cost, estimate, one_after_the_other
 from granstudy.collision.choice.method_costs import FAST
 from granstudy.evolution.forecast import expected_beside
