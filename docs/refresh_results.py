@@ -34,7 +34,7 @@ def made(layout: Layout) -> list[Path]:
     ValueError
         If one of them is not there.
     """
-    named = [Path(path) for path in (*layout.tables, *layout.figures, *layout.map)]
+    named = [Path(path) for path in (*layout.tables, *layout.figures, *layout.map, *layout.atlas)]
     stems = list(dict.fromkeys((path.parent, path.stem) for path in named))
     files = [folder / f"{stem}.{form}" for folder, stem in stems for form in FORMS[folder.name]]
     missing = [str(path) for path in files if not path.is_file()]

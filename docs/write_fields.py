@@ -52,6 +52,7 @@ SECTIONS = {
     "FigureModel": "Figure",
     "TimingModel": "Timing",
     "MapModel": "Map",
+    "AtlasModel": "Atlas",
 }
 """Headings by section, in the order of the page."""
 
@@ -81,6 +82,7 @@ TEXTS = {
     "title": "what stands above",
     "experiments": "experiments by name; their files get the names",
     "map": "a table and a figure of all experiments with a truth",
+    "atlas": "one dataset and a figure of all states to an accuracy",
     "run": "the kind of run",
     "scene": "which gas, as all runs share it",
     "solver": "which method and grid, as all runs share them",

@@ -6,7 +6,7 @@ when the page is due.
 
 from pathlib import Path
 
-from granstudy.study.schema.names import MAP
+from granstudy.study.schema.names import ATLAS, MAP
 from granstudy.study.study import read_study
 from granstudy.support.files import write_text
 
@@ -19,6 +19,7 @@ STUDIES = {
     "front": "Errors of T and a2 over the seconds of whole runs ([results](results.md)).",
     "pareto": "Speed against error of Q, of all methods.",
     "states": "Cooling and heated states, solved for directly, by theory and by particles.",
+    "atlas": "Cooling and heated states over e and λ ([the atlas](states.md#4-the-atlas)).",
     "hard": "Gases that a fixed grid gets wrong, with labels ([hard cases](hard.md)).",
     "quick": "What CI computes anew and compares, in a minute.",
 }
@@ -41,8 +42,8 @@ def _study(name: str, what: str) -> str:
     """A study's figures with their titles, and its tables."""
     model = read_study(HERE.parent / "studies" / f"{name}.yaml").model
     titles = {key: one.title for key, one in model.experiments.items()}
-    if model.map is not None:
-        titles = {MAP: model.map.title, **titles}
+    joint = {MAP: model.map, ATLAS: model.atlas}
+    titles = {key: one.title for key, one in joint.items() if one is not None} | titles
     parts = [f"## {name}\n", f"{what}\n"]
     for key, title in titles.items():
         figure, table = (f"results/{name}/{place}" for place in _places(key))

@@ -3,8 +3,8 @@ __version__: str
 from . import theory as theory
 from .accessor.granular import Granular as Granular
 from .accuracy.simulate import simulate as simulate
-from .accuracy.states import cooling_state as cooling_state
-from .accuracy.states import heated_state as heated_state
+from .accuracy.states.find import cooling_state as cooling_state
+from .accuracy.states.find import heated_state as heated_state
 from .collision.choice.grid import fit_solver as fit_solver
 from .collision.fast.adaptive.plan import QuadraturePlan as QuadraturePlan
 from .collision.operator import choose as choose
@@ -16,7 +16,6 @@ from .datasets.open_runs import final_values as final_values
 from .datasets.open_runs import open_runs as open_runs
 from .datasets.unstack import unstack_runs as unstack_runs
 from .evolution.forecast import Forecast as Forecast
-from .evolution.forecast import plan as plan
 from .evolution.frames.physical import physical_density as physical_density
 from .evolution.stability import stability_limit as stability_limit
 from .model.choice import Choice as Choice
@@ -27,6 +26,7 @@ from .model.load_scene import load_scene as load_scene
 from .model.restitution import Viscoelastic as Viscoelastic
 from .model.scene import Scene as Scene
 from .model.solver import Solver as Solver
+from .runs.plan import plan as plan
 from .trust.notice import NotTrustedWarning as NotTrustedWarning
 from .velocity.cartesian import VelocityGrid as VelocityGrid
 from .velocity.moments import moments as moments

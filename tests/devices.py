@@ -1,10 +1,12 @@
 """Devices that the sum over nodes is tested on: NumPy, a strict namespace, PyTorch and a GPU if there."""
 
+from functools import partial
+
 import array_api_strict
 import numpy as np
 import pytest
 
-from granstudy.collision.fast.gpu.device import Device, find_gpu
+from granstudy.collision.fast.gpu.device import LIBRARIES, Device
 
 MEMORY = 2**26
 
@@ -23,11 +25,20 @@ def torch():
     return Device("PyTorch", xp, "cpu", lambda a: a.numpy(), MEMORY)
 
 
-def gpu():
+def gpu(library):
+    """The GPU of a library."""
     try:
-        return find_gpu()
-    except ValueError:
-        pytest.skip("no GPU with CuPy or PyTorch")
+        found = LIBRARIES[library]()
+    except ImportError:
+        found = None
+    if found is None:
+        pytest.skip(f"no GPU with {library}")
+    return found
 
 
-DEVICES = {"numpy": lambda: NUMPY, "strict": strict, "torch": torch, "gpu": gpu}
+DEVICES = {
+    "numpy": lambda: NUMPY,
+    "strict": strict,
+    "torch": torch,
+    **{f"{library} GPU": partial(gpu, library) for library in LIBRARIES},
+}

@@ -143,8 +143,13 @@ NAMES = [
     ("  cooling:", "  a b:", "experiments.'a b': is no name"),
     ("  cooling:", "  it's:", "is no name"),
     ("  cooling:", f"  {'x' * 65}:", "64 at most"),
-    ("  cooling:", "  reference:", "experiments.'reference': is taken, as are map, reference"),
+    (
+        "  cooling:",
+        "  reference:",
+        "experiments.'reference': is taken, as are map, atlas, reference",
+    ),
     ("  cooling:", "  map:", "experiments.'map': is taken"),
+    ("  cooling:", "  atlas:", "experiments.'atlas': is taken"),
     ("  cooling:", "  HELD:", "experiments.'held': is 'HELD' but for capitals"),
     ("  cooling:", "  held:", "line \\d+: key 'held': is given twice, first in line 4"),
 ]

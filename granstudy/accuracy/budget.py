@@ -31,6 +31,9 @@ errors of the shape. Both are rarely used at once."""
 DIRECT_SHARE = 0.2
 """Part of the grid's share of T for errors of T itself: there are few, as Q has the exact energy."""
 
+CLOSED_SHAPE = 1e-2
+"""Errors of the shape that neither T nor a2 feel, and that are allowed all the same."""
+
 LEAST_LEFT = 0.25
 """Least part of a share that a source may go on to use, whatever was used before."""
 
@@ -60,7 +63,9 @@ class Allowed(NamedTuple):
         return max(rate.temperature / self.step_temperature, rate.a2 / self.step_a2)
 
 
-def allowed_growth(asked: Accuracy, balance: Balance, spent: Change, left: float) -> Allowed:
+def allowed_growth(
+    asked: Accuracy, balance: Balance, spent: Change, left: float, closed: bool = False
+) -> Allowed:
     """How fast errors may grow now.
 
     Parameters
@@ -72,6 +77,9 @@ def allowed_growth(asked: Accuracy, balance: Balance, spent: Change, left: float
         Errors of T and a2 by the grid so far.
     left : float
         Collisions' time left, as if the temperature stayed (`clock_left`).
+    closed : bool
+        Whether T and a2 have their exact rates on any grid (`granstudy.evolution.frames.closed`): the shape
+        must then be good to `CLOSED_SHAPE` alone.
     """
     forgetting = max(balance.forgetting, 1.0 / left)
     relaxing = max(balance.relaxing, 1.0 / left)
@@ -87,6 +95,8 @@ def allowed_growth(asked: Accuracy, balance: Balance, spent: Change, left: float
     if balance.cooling > 0.0:
         most = SHAPE_SHARE * share * forgetting * relaxing / balance.cooling
         other = min(other, most)
+    if closed:
+        other = max(other, CLOSED_SHAPE * relaxing)
     return Allowed(
         temperature=temperature * forgetting,
         a2=a2_growth,

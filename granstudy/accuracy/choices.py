@@ -13,7 +13,9 @@ from granstudy.accuracy.grids.radial import larger_grid, radial_grid, try_radial
 from granstudy.accuracy.grids.sources import Initial, Present, Source, shape_error
 from granstudy.accuracy.grids.truncation import Truncation, truncation, without_noise
 from granstudy.accuracy.leg import Gas, Leg, Need, Tried
+from granstudy.evolution.frames.closed import is_closed
 from granstudy.evolution.frames.rescaled import Place
+from granstudy.model.solver import SizedSolver
 from granstudy.support.errors import ToleranceError
 from granstudy.trust.changes import Change
 from granstudy.trust.error_estimate import Balance
@@ -91,12 +93,24 @@ class Chooser:
         self._at_start, self._cut = at_start, cut
         self.left, self._memory = left, memory
 
-    def first(self) -> Chosen:
-        """The grid to start on."""
+    def first(self, too_coarse: SizedSolver | None = None) -> Chosen:
+        """The grid to start on, with more points than a Cartesian one that turned out too coarse.
+
+        Raises
+        ------
+        ToleranceError
+            If no grid allows any quadrature, or none with more points is tried.
+        """
         place = Place(0.0, 0.0, self._gas.velocity)
         radius = FIRST_RADIUS * float(np.sqrt(self._start.true.temperature))
-        allowed = allowed_growth(self._asked, self._at_start, Change(0.0, 0.0), self.left)
-        tried = self._search(self._start, place, allowed, radius, self._cut)
+        allowed = allowed_growth(
+            self._asked,
+            self._at_start,
+            Change(0.0, 0.0),
+            self.left,
+            self._cut is None and is_closed(self._gas.scene),
+        )
+        tried = self._search(self._start, place, allowed, radius, self._cut, too_coarse)
         chosen = self._chosen(tried, place, self._lost(self._start, tried), "the start")
         if self._cut is None:
             chosen = chosen._replace(origin=Origin(self._start, place, Change(0.0, 0.0)))
@@ -114,7 +128,7 @@ class Chooser:
         cut = truncation(scene, grid, without_noise(f, grid))
         search = Search(self._gas, source, place, need, cut, TARGET, self._memory)
         try:
-            tried = search.go_on(leg, ratio)
+            tried = search.go_on(leg, now)
         except ToleranceError:
             tried = Tried(leg, f, ratio, now)
         if tried.ratio > WORTH_IT * ratio:
@@ -168,13 +182,20 @@ class Chooser:
         return Change(MOVE_SHARE * self._asked.temperature, MOVE_SHARE * self._asked.a2)
 
     def _search(
-        self, source: Source, place: Place, allowed: Allowed, radius: float, cut: Truncation | None
+        self,
+        source: Source,
+        place: Place,
+        allowed: Allowed,
+        radius: float,
+        cut: Truncation | None,
+        too_coarse: SizedSolver | None = None,
     ) -> Tried:
         """A grid for a density: Cartesian where ``cut`` says what radii cut off, else radial."""
         need = Need(allowed, self._most)
         if cut is None:
             return radial_grid(self._gas, source, place, need, radius, TARGET)
-        return Search(self._gas, source, place, need, cut, TARGET, self._memory).find()
+        search = Search(self._gas, source, place, need, cut, TARGET, self._memory)
+        return search.find(too_coarse)
 
     def _lost(self, source: Source, tried: Tried) -> Change:
         """The error that putting a density on a grid makes.

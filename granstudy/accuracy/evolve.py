@@ -14,7 +14,7 @@ from granstudy.datasets.run_dataset import Header
 from granstudy.evolution.times import TimeSettings
 from granstudy.model.choice import Choice
 from granstudy.model.scene import Scene
-from granstudy.support.machine import memory
+from granstudy.support.machine import memory, one_blas_thread
 from granstudy.support.progress import Progress, watched
 
 
@@ -27,6 +27,7 @@ class Limits:
     threads: int | None = None
 
 
+@one_blas_thread()
 def evolve_to(
     scene: Scene,
     asked: Accuracy,

@@ -12,6 +12,11 @@ from granstudy.collision.fast.adaptive.plan import QuadraturePlan
 from granstudy.collision.operator import collision_operator
 from granstudy.collision.protocol import CollisionOperator
 from granstudy.evolution.conservation import Projection
+from granstudy.evolution.frames.closed import (
+    ClosedFixedFrame,
+    ClosedRescaledFrame,
+    is_closed,
+)
 from granstudy.evolution.frames.fixed import FixedFrame
 from granstudy.evolution.frames.rescaled import Place, RescaledFrame
 from granstudy.evolution.unknowns import collisions, representation
@@ -74,6 +79,11 @@ class Leg:
     def grid(self) -> VelocitySpace:
         """The grid."""
         return self.operator.grid
+
+    @property
+    def closed(self) -> bool:
+        """Whether T and a2 have their exact rates on any grid."""
+        return isinstance(self.frame, ClosedFixedFrame | ClosedRescaledFrame)
 
     def start(self, f: np.ndarray, place: Place) -> np.ndarray:
         """The state of a density on the leg's grid, with the frame at a place."""
@@ -173,10 +183,22 @@ def make_leg(
     project = Projection(form, CONSERVED, exact)
     Q = collisions(operator)
     frame: Frame
+    closed = sized.method == "radial" and is_closed(scene)
+
+    def exact_rates(f: np.ndarray, heating: float) -> Change:
+        now = imbalance(rates(scene.restitution), f, Change(0.0, 0.0), heating)
+        return Change(now.cooling + heating, now.shaping)
+
     if gas.rescaled:
-        frame = RescaledFrame(form, lambda g, scale: project(g, Q(g)), scene, gas.velocity)
+        equation = form, lambda g, scale: project(g, Q(g)), scene, gas.velocity
+        frame = (
+            ClosedRescaledFrame(*equation, exact=exact_rates)
+            if closed
+            else RescaledFrame(*equation)
+        )
     else:
-        frame = FixedFrame(form, lambda f: project(f, Q(f)), scene)
+        fixed = form, lambda f: project(f, Q(f)), scene
+        frame = ClosedFixedFrame(*fixed, exact=exact_rates) if closed else FixedFrame(*fixed)
     return Leg(gas, sized, operator, rates, project, frame)
 
 

@@ -18,7 +18,7 @@ from granstudy.evolution.frames.physical import physical_moments
 from granstudy.evolution.schemes import SCHEMES
 from granstudy.evolution.steps.adaptive import AdaptiveSteps
 from granstudy.evolution.steps.points import Point, StoppedError
-from granstudy.support.errors import RAN_AWAY
+from granstudy.support.errors import RAN_AWAY, ToleranceError
 from granstudy.trust import health
 from granstudy.trust.changes import Change
 from granstudy.trust.error_estimate import NOTHING
@@ -40,6 +40,10 @@ LOOSEST, TIGHTEST = 1e-3, 1e-12
 
 MOST = 0.9
 """Errors by the grid over those asked for, above which a run begins again."""
+
+EARLY, RESTARTS = 0.3, 2
+"""Part of the collisions' time of a run up to which it begins again, and how often, where no other grid helps
+a density that a coarse one has spoilt."""
 
 STEP_TOLERANCE = 0.1
 """First tolerance of a step, over the smaller of the asked errors."""
@@ -144,6 +148,7 @@ class Run:
         self._not_before = self._no_switch_before = -np.inf
         self._beginning: Beginning | None = None
         self._reached, self._grown, self._on_the_last = 0.0, False, False
+        self._restarts = 0
 
     def go(self) -> Outcome:
         """Run to the end, or to where it cannot go on."""
@@ -182,6 +187,24 @@ class Run:
         self.outcome.steps = steps
         self._not_before = -np.inf
         return self._enter(chosen, beginning.time)
+
+    def _from_the_start(self, leg: Leg, wish: Wish, time: float) -> At | None:
+        """Begin again on a finer Cartesian grid; None where there is none, or this was done often enough.
+
+        What a coarse grid does to the shape, no other grid undoes.
+        """
+        if self._restarts == RESTARTS:
+            return None
+        try:
+            chosen = self._chooser.first(leg.solver)
+        except ToleranceError:
+            return None
+        self._restarts += 1
+        reason = f"begun again: on N={leg.solver.N}, R={leg.solver.R:.3g} {wish.reason} at t = {time:.3g}"
+        steps = self.outcome.steps
+        self.ledger, self.outcome = Ledger(), Outcome(steps=steps)
+        self._first, self._not_before = {}, -np.inf
+        return self._enter(chosen._replace(reason=reason), 0.0)
 
     def _march(
         self, leg: Leg, state: np.ndarray, start: float
@@ -268,7 +291,7 @@ class Run:
         balance = self.ledger.balance
         assert balance is not None
         left = self._left(leg, state, time)
-        return allowed_growth(self._asked, balance, self.ledger.by_grid, left)
+        return allowed_growth(self._asked, balance, self.ledger.by_grid, left, leg.closed)
 
     def _left(self, leg: Leg, state: np.ndarray, time: float) -> float:
         """Collisions' time left."""
@@ -293,7 +316,10 @@ class Run:
                 return here
             return self._enter(switched, time)
         if self._beginning is None:
-            return self._enter(self._chooser.again(leg, state, time, allowed, wish.reason), time)
+            other = self._chooser.again(leg, state, time, allowed, wish.reason)
+            early = self.ledger.clock <= EARLY * self._chooser.left
+            again = self._from_the_start(leg, wish, time) if other.needed and early else None
+            return again or self._enter(other, time)
         reason = f"begun again: on N={leg.solver.N}, R={leg.solver.R:.3g} {wish.reason} at t = {time:.3g}"
         further = time > self._reached or not self._grown
         self._reached, self._grown = max(time, self._reached), further

@@ -15,7 +15,7 @@ from pandas.api.types import is_bool_dtype, is_numeric_dtype
 from granstudy.analysis.columns import Tolerance, tolerance
 from granstudy.datasets.parameters import PARAMETERS
 
-KEYS = (*PARAMETERS, "threads", "case", "configuration", "variation")
+KEYS = (*PARAMETERS, "state", "dim", "threads", "case", "configuration", "variation")
 """Columns that say which run a row is."""
 
 

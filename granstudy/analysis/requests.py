@@ -9,6 +9,7 @@ from matplotlib.mathtext import MathTextParser
 
 from granstudy.analysis.figures.figure import check_figure
 from granstudy.analysis.source import FigureSource, TableSource
+from granstudy.analysis.tables.atlas import atlas_of
 from granstudy.analysis.tables.planned import planned_table
 from granstudy.analysis.tables.table import KINDS
 from granstudy.study.schema.experiment import Experiment
@@ -39,12 +40,28 @@ def check_requests(study: Study, path: str | Path = "") -> None:
         mistakes += _of_titles(name, experiment)
     if study.model.map is not None:
         mistakes += [f"map.{error}" for error in _unreadable("title", study.model.map.title)]
+    if study.model.atlas is not None:
+        mistakes += [f"atlas.{error}" for error in _unreadable("title", study.model.atlas.title)]
     for name in _in_order(study, mistakes):
         tables[name] = _planned(study, name, tables, mistakes)
     for name in study.model.experiments:
         mistakes += _of_figure(study, name, tables)
+    mistakes += _of_atlas(study, tables)
     if mistakes:
         raise ValueError("\n".join(f"{path}: {line}" if path else line for line in mistakes))
+
+
+def _of_atlas(study: Study, tables: Mapping[str, xr.Dataset | None]) -> list[str]:
+    """What is wrong with a study's atlas; nothing where its tables are wrong already."""
+    found = [tables.get(name) for name in study.model.with_states]
+    there = [table for table in found if table is not None]
+    if study.model.atlas is None or len(there) < len(found):
+        return []
+    try:
+        atlas_of(study.model.atlas.title, there)
+    except ValueError as error:
+        return [f"atlas: {error}"]
+    return []
 
 
 def _in_order(study: Study, mistakes: list[str]) -> list[str]:

@@ -64,6 +64,14 @@ class SymmetricOperator(CollisionOperator, Protocol):
 
 
 @runtime_checkable
+class DifferentiableOperator(CollisionOperator, Protocol):
+    """An operator that has its derivative as a matrix."""
+
+    def derivative(self, f: np.ndarray) -> np.ndarray:
+        """The matrix of h ↦ Q(f,h) + Q(h,f)."""
+
+
+@runtime_checkable
 class PlannedOperator(CollisionOperator, Protocol):
     """An operator whose transforms FFTW planned, with wisdom where this machine has some."""
 

@@ -30,6 +30,7 @@ from granstudy.model.choice import Choice
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver
 from granstudy.support.errors import RAN_AWAY
+from granstudy.support.machine import one_blas_thread
 from granstudy.support.progress import Progress, watched
 from granstudy.trust import health
 from granstudy.trust.changes import Change
@@ -41,6 +42,7 @@ from granstudy.velocity.moments import moment_values
 Frame = FixedFrame | RescaledFrame
 
 
+@one_blas_thread()
 def evolve(
     scene: Scene,
     choice: Choice,

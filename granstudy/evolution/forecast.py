@@ -1,10 +1,11 @@
 """Forecasts: method, nodes, evaluations, seconds, memory and error of a run before it starts."""
 
 import dataclasses
+import math
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from granstudy.collision.choice.cost import MethodCost, memory_mb, on_threads
+from granstudy.collision.choice.cost import Cost, MethodCost, memory_mb, on_threads
 from granstudy.collision.choice.methods import OPERATORS
 from granstudy.collision.fast.adaptive.plan import QuadraturePlan, TunedOperator
 from granstudy.collision.fast.adaptive.retuning import CHECK_EVERY, LONG_STEP
@@ -19,17 +20,31 @@ from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver, Solver
 from granstudy.particles.cost import EFFICIENCY, particle_cost
 from granstudy.particles.restitution_table import alpha_table
+from granstudy.trust.balance_times import BALANCES
 from granstudy.velocity.radial import RadialGrid
 from granstudy.velocity.space import VelocitySpace
 
 NOT_TIMED = "seconds are those of device 'cpu'"
 """Remark on a run on a GPU: all constants of costs were measured on a CPU."""
 
-SECONDS_PER_STEP = 2.5e-4
-"""Seconds of a step's moments and checks, whatever the grid."""
+SETUP_SECONDS = 0.03
+"""Seconds of a run's start and end, whatever the grid: checks, exact law, dataset."""
 
-SECONDS_PER_STEP_POINT = 3.0e-8
-"""Seconds of a step's sums, moments and checks, for each grid point."""
+SECONDS_PER_STEP, SECONDS_PER_OUTPUT = 1.5e-4, 5.0e-4
+"""Seconds of a step beside Q, and of an output, whatever the grid: moments, checks, signs of health."""
+
+SECONDS_PER_STEP_POINT, SECONDS_PER_OUTPUT_POINT = 6.0e-8, 1.3e-7
+"""The same for each point of a Cartesian grid."""
+
+SECONDS_PER_BALANCE_POINT = 3.5e-8
+"""Seconds of a balance (`granstudy.trust.error_estimate`), for each point of twice the box."""
+
+SECONDS_PER_FRAME_POINT = 8.0e-8
+"""Seconds of the motion of a rescaled frame in an evaluation, for each grid point."""
+
+
+OPERATORS_OF_A_LAW = 3.5
+"""Operators that an evaluation takes, on average, of a restitution law in a rescaled frame."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -68,6 +83,11 @@ class Forecast:
         The quadrature chosen for a tolerance.
     collisions : int
         Collisions of all particles together, for `dsmc`, which evaluates nothing.
+    frame : str
+        ``fixed`` or ``rescaled``.
+    accuracy : dict of float, or None
+        The accuracy asked for, of T and a2. All else is then what the run begins with, as it chooses anew on
+        its way.
     """
 
     method: str
@@ -86,6 +106,8 @@ class Forecast:
     error: float | None
     plan: QuadraturePlan | None
     collisions: int = 0
+    frame: str = "fixed"
+    accuracy: dict[str, float] | None = None
 
     def describe(self) -> dict[str, Any]:
         """The forecast as plain data."""
@@ -104,8 +126,12 @@ class Forecast:
             points = f"{self.n}^{self.dim} points"
             sums = f"{self.nodes} nodes, {self.transforms} transforms of {points}"
         error = "not estimated" if self.error is None else f"{self.error:.1e}"
+        head = f"Forecast: {self.method}, N={self.N}, R={self.R:.3g} in {self.dim}D"
+        if self.accuracy is not None:
+            asked = ", ".join(f"{name} to {error:g}" for name, error in self.accuracy.items())
+            head = f"{head}, {self.frame} frame, to begin with\n  asked: {asked}"
         return (
-            f"Forecast: {self.method}, N={self.N}, R={self.R:g} in {self.dim}D\n"
+            f"{head}\n"
             f"  why: {self.reason or 'as asked for'}\n"
             f"  an evaluation: {sums}, {self.seconds_per_evaluation:.2g} s\n"
             f"  the run: {self.evaluations} evaluations, {end}\n"
@@ -194,31 +220,65 @@ def _outputs_inside(settings: TimeSettings) -> bool:
     return settings.time_rtol is not None and SCHEMES[settings.scheme].interpolation_error > 0.0
 
 
-def step_seconds(scene: Scene, solver: SizedSolver) -> float:
-    """Seconds of a step, or of an output inside one, beside evaluations of Q."""
-    points = solver.N if solver.traits.radial else solver.N**scene.dim
-    return SECONDS_PER_STEP + SECONDS_PER_STEP_POINT * points
+class Beside(NamedTuple):
+    """What a run does beside the evaluations that its steps make.
+
+    ``seconds`` are those of states looked at, ``evaluations`` are those of checks.
+    """
+
+    seconds: float
+    evaluations: int
+
+
+def expected_beside(
+    scene: Scene, solver: SizedSolver, settings: TimeSettings, evaluations: int
+) -> Beside:
+    """What a run with so many evaluations does beside them: records, balances, checks of the quadrature."""
+    outputs_inside = _outputs_inside(settings)
+    steps = max(1, evaluations // (SCHEMES[settings.scheme].evaluations - outputs_inside))
+    outputs = len(settings.outputs)
+    balances = min(steps, BALANCES + 1)
+    seconds = SETUP_SECONDS + steps * SECONDS_PER_STEP + outputs * SECONDS_PER_OUTPUT
+    further = 0 if outputs_inside else balances  # steps of other schemes leave no rate of their end
+    if not solver.traits.radial:
+        points = solver.N**scene.dim
+        seconds += steps * points * SECONDS_PER_STEP_POINT
+        seconds += outputs * points * SECONDS_PER_OUTPUT_POINT
+        seconds += (balances + 4) * 2**scene.dim * points * SECONDS_PER_BALANCE_POINT
+        if settings.rescaled:
+            seconds += evaluations * points * SECONDS_PER_FRAME_POINT
+    if solver.rtol is not None and not solver.traits.radial:
+        # A tolerance is checked now and then by a finer quadrature, at about a step's time.
+        pace = LONG_STEP if outputs_inside else 1
+        further += math.ceil(3 * (1 + pace * steps / CHECK_EVERY))
+    return Beside(seconds, further)
+
+
+def evolution_cost(cost: Cost, scene: Scene, solver: SizedSolver, settings: TimeSettings) -> Cost:
+    """The cost of a run, out of the cost of its evaluations."""
+    beside = expected_beside(scene, solver, settings, cost.evaluations)
+    setup, each = cost.setup, cost.each
+    if callable(scene.restitution) and settings.rescaled:  # Q is interpolated between operators
+        setup, each = setup * OPERATORS_OF_A_LAW, each * OPERATORS_OF_A_LAW
+    return replace(cost, setup=setup + beside.seconds + beside.evaluations * each, each=each)
 
 
 def _plan_operator(scene: Scene, choice: Choice, settings: TimeSettings | None) -> Forecast:
     """Forecast of a run on a grid, or of one evaluation where there are no settings."""
-    steps, evaluations, outputs = 0, 1, 0
-    if settings is not None:
-        outputs = len(settings.outputs) if settings.time_rtol is not None else 0
-        steps = expected_steps(scene, choice.solver, settings)
-        evaluations = expected_evaluations(scene, choice.solver, settings)
-    solver, cost = choice.solver, OPERATORS[choice.solver.method].cost
+    solver, method = choice.solver, OPERATORS[choice.solver.method].cost
     check_restitution(scene.restitution, largest_speed=solver.R)
-    count = _count(scene, solver, cost)
-    one_thread = cost.seconds(scene, solver, count.transforms, count.n)
+    count = _count(scene, solver, method)
+    one_thread = method.seconds(scene, solver, count.transforms, count.n)
     threads = solver.thread_count
-    each = on_threads(one_thread, cost.efficiency, threads)
-    # A tolerance is checked now and then by a finer quadrature, at about a step's time.
-    checks = 3 * steps / CHECK_EVERY if count.plan is not None else 0.0
-    if settings is not None and _outputs_inside(settings):
-        checks *= LONG_STEP
-    seconds = on_threads(cost.setup(scene, solver, one_thread), cost.efficiency, threads)
-    seconds += (evaluations + checks) * each + (steps + outputs) * step_seconds(scene, solver)
+    cost = Cost(
+        setup=on_threads(method.setup(scene, solver, one_thread), method.efficiency, threads),
+        each=on_threads(one_thread, method.efficiency, threads),
+        evaluations=1 if settings is None else expected_evaluations(scene, solver, settings),
+        memory_mb=memory_mb(method.numbers(scene, solver, count.transforms)),
+        kept=method.kept(scene, solver),
+    )
+    if settings is not None:
+        cost = evolution_cost(cost, scene, solver, settings)
     reasons = [choice.reason, NOT_TIMED if solver.device == "gpu" else ""]
     return Forecast(
         method=solver.method,
@@ -230,12 +290,13 @@ def _plan_operator(scene: Scene, choice: Choice, settings: TimeSettings | None) 
         transforms=count.transforms,
         n=count.n,
         threads=threads,
-        seconds_per_evaluation=each,
-        evaluations=evaluations,
-        seconds=seconds,
-        memory_mb=memory_mb(cost.numbers(scene, solver, count.transforms)),
+        seconds_per_evaluation=cost.each,
+        evaluations=cost.evaluations,
+        seconds=cost.seconds,
+        memory_mb=cost.memory_mb,
         error=count.plan.error if count.plan else None,
         plan=count.plan,
+        frame="fixed" if settings is None else settings.frame,
     )
 
 

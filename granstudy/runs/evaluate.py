@@ -12,11 +12,13 @@ from granstudy.collision.protocol import wisdom_attributes
 from granstudy.datasets.run_dataset import Ending, Header, stamped
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
+from granstudy.support.machine import one_blas_thread
 from granstudy.support.variables import labelled
 from granstudy.trust.flags import Status
 from granstudy.velocity.space import VelocitySpace
 
 
+@one_blas_thread()
 def evaluate(scene: Scene, solver: Solver) -> xr.Dataset:
     """Evaluate Q(f0,f0) on the initial density f0; what the solver leaves open is chosen for the scene.
 

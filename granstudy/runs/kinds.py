@@ -9,7 +9,7 @@ import xarray as xr
 
 from granstudy.accuracy.asked import Accuracy
 from granstudy.accuracy.evolve import Limits, evolve_to
-from granstudy.accuracy.states import state_to
+from granstudy.accuracy.states.find import state_to
 from granstudy.collision.operator import choose
 from granstudy.evolution.forecast import expected_evaluations
 from granstudy.evolution.simulate import advance, computed_by
@@ -24,6 +24,7 @@ from granstudy.states.solve import (
     check_state,
     cooling_state,
     gaussian_scene,
+    solving_seconds,
     state_evaluations,
 )
 from granstudy.support.progress import Progress
@@ -58,6 +59,10 @@ class Kind:
     parts : callable
         computation ↦ the computations of other kinds that the run makes on its way; their cost is its cost,
         and their code its code.
+    seconds : callable
+        chosen solver ↦ seconds beside evaluations of Q, of a run that does not evolve.
+    heated : bool
+        Whether the run solves for a heated state.
     """
 
     code: Callable[[Solver], Callable[..., object]]
@@ -70,6 +75,8 @@ class Kind:
     needs_size: bool = False
     shares_nodes: bool = False
     parts: Callable[[Computation], Sequence[Computation]] = lambda computation: ()
+    seconds: Callable[[SizedSolver], float] = lambda solver: 0.0
+    heated: bool = False
 
 
 def _evolve(
@@ -120,6 +127,8 @@ def _state(state: str) -> Kind:
         evaluations=lambda computation, solver: state_evaluations(solver),
         planned_scene=gaussian_scene,
         check=partial(_check_state, state),
+        seconds=solving_seconds,
+        heated=state == "heated",
     )
 
 

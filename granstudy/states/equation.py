@@ -2,9 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
+from granstudy.collision.protocol import DifferentiableOperator
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.velocity.moments import moment_values
@@ -85,10 +87,11 @@ class SteadyEquation:
         """The exact derivative of the residual at x: step ↦ change of the residual."""
         g, s, m = self.split(x)
         Dg = self.balance(g)
+        collisions_change = self._collisions_derivative(g)
 
         def act(step: np.ndarray) -> np.ndarray:
             h, s_step, m_step = self.split(step)
-            change = self._collisions_change(g, h) + s * self.balance(h) + m * h
+            change = collisions_change(h) + s * self.balance(h) + m * h
             change += self._asymmetric(step)
             return self._join(change + s_step * Dg + m_step * g, self._held(h))
 
@@ -107,6 +110,13 @@ class SteadyEquation:
     def _asymmetric(self, x: np.ndarray) -> np.ndarray:
         """The part of x at the nodes that lacks the symmetry."""
         return x[:-2].reshape(self.grid.shape) - self.split(x)[0]
+
+    def _collisions_derivative(self, g: np.ndarray) -> Map:
+        """h ↦ Q(g,h) + Q(h,g), by the operator's own matrix where it has one."""
+        if isinstance(self.collisions, DifferentiableOperator):
+            matrix = self.collisions.derivative(g)
+            return lambda h: matrix @ h
+        return partial(self._collisions_change, g)
 
     def _collisions_change(self, g: np.ndarray, h: np.ndarray) -> np.ndarray:
         """Q(g,h) + Q(h,g); h is scaled to the size of g, so that no digits are lost."""

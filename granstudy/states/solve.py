@@ -14,6 +14,7 @@ from granstudy.states.dataset import state_dataset
 from granstudy.states.equation import SteadyEquation, gas_of
 from granstudy.states.newton import DENSE, Solution, newton
 from granstudy.support.checks import check_count, is_real
+from granstudy.support.machine import one_blas_thread
 from granstudy.support.progress import Progress, watched
 from granstudy.trust.changes import change_of_moments
 from granstudy.trust.error_estimate import a2_relaxation, imbalance
@@ -26,6 +27,10 @@ STEPS = 4
 
 VECTORS = 40
 """Vectors of GMRES in a step of Newton's method, about; each takes two evaluations of Q."""
+
+
+SECONDS, SECONDS_PER_CUBE = 0.03, 5.0e-7
+"""Seconds of a state beside evaluations of Q: whatever its size, and over N³ (exact steps)."""
 
 
 def cooling_state(
@@ -88,6 +93,13 @@ def state_evaluations(solver: SizedSolver) -> int:
     return 2 * STEPS * VECTORS
 
 
+def solving_seconds(solver: SizedSolver) -> float:
+    """Seconds of finding a state beside evaluations of Q, about."""
+    exact = solver.traits.radial and solver.N + 2 <= DENSE
+    return SECONDS + SECONDS_PER_CUBE * solver.N**3 * exact
+
+
+@one_blas_thread()
 def _state(
     scene: Scene,
     solver: Solver,

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from granstudy.velocity.radial import RadialGrid
 from granstudy.velocity.space import VelocitySpace
 
 ABOVE_FLOOR = 1000.0
@@ -45,6 +46,17 @@ def tail_slope(g: np.ndarray, grid: VelocitySpace, temperature: float, power: fl
     c, ln_g = speeds[:count] / np.sqrt(temperature), np.log(values[:count])
     abscissa = np.log(c) if power == 0.0 else c**power
     return TailSlope((c[1:] + c[:-1]) / 2, -np.diff(ln_g) / np.diff(abscissa), floor)
+
+
+def filtered_values(grid: RadialGrid, g: np.ndarray, speeds: np.ndarray) -> np.ndarray:
+    """A radial density at any speeds below L, without the oscillations that the last modes leave.
+
+    A density with a sharp top, as of small e and λ, has a spectrum that falls slowly. The series that ends at
+    k_N then oscillates far out, where the density itself is smaller. The filter e^{−36(k/k_N)^8} takes the
+    last modes away, and leaves a tail as it is.
+    """
+    modes = grid.wavenumbers / grid.wavenumbers[-1]
+    return grid.mode_values(speeds) @ (np.exp(-36.0 * modes**8) * (grid.analysis @ g))
 
 
 def _profile(g: np.ndarray, grid: VelocitySpace) -> tuple[np.ndarray, np.ndarray]:

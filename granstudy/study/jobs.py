@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from math import ceil
 from pathlib import Path
 
+from granstudy.collision.choice.cost import one_after_the_other
 from granstudy.runs.estimates import estimate_run
 from granstudy.study.schema.experiment import EvolutionTableModel
 from granstudy.study.study import Member
@@ -93,22 +94,22 @@ def jobs(runs: Sequence[Sequence[Member]], cores: int | None) -> list[Job]:
     cores : int or None
         Cores that the jobs share; None where each job gets a machine of its own.
     """
-    total = sum(map(seconds_of, runs))
-    share = LONGEST if cores is None else total / (JOBS_PER_CORE * cores)
+    priced = list(zip(runs, seconds_of(runs), strict=True))
+    share = LONGEST if cores is None else sum(map(_price, priced)) / (JOBS_PER_CORE * cores)
     enough = min(max(share, SHORTEST), LONGEST)
     found: list[Job] = []
-    waiting: list[Sequence[Member]] = []
+    waiting: list[Priced] = []
     together = 0.0
-    for run in [*runs, None]:
-        alone = run is None or seconds_of(run) >= enough
-        other = run is not None and bool(waiting) and _apart(run, waiting[0])
-        full = (together >= enough or alone) and not (run and waiting and _timed(run))
+    for one in [*priced, None]:
+        alone = one is None or _price(one) >= enough
+        other = one is not None and bool(waiting) and _apart(one[0], waiting[0][0])
+        full = (together >= enough or alone) and not (one and waiting and _timed(one[0]))
         if waiting and (full or other):
             found.append(_job(waiting))
             waiting, together = [], 0.0
-        if run is not None:
-            waiting.append(run)
-            together += seconds_of(run)
+        if one is not None:
+            waiting.append(one)
+            together += _price(one)
     return sorted(found, key=lambda job: -job.total)
 
 
@@ -124,16 +125,24 @@ def _apart(run: Sequence[Member], other: Sequence[Member]) -> bool:
     return threads_of(run) != threads_of(other) or _timed(run) != _timed(other)
 
 
-def _job(runs: Sequence[Sequence[Member]]) -> Job:
-    names = [(m.experiment, m.path, m.key) for run in runs for m in run]
-    seconds = [seconds_of(run) if m is run[0] else 0.0 for run in runs for m in run]
-    memory = [estimate_run(run[0].run.computation).cost.memory_mb for run in runs]
-    return Job(tuple(names), tuple(seconds), threads_of(runs[0]), max(memory))
+Priced = tuple[Sequence[Member], float]
+"""A run under all its names, and its estimated seconds."""
 
 
-def seconds_of(run: Sequence[Member]) -> float:
-    """Estimated time of a run on one core."""
-    return estimate_run(run[0].run.computation).cost.seconds
+def _price(one: Priced) -> float:
+    return one[1]
+
+
+def _job(runs: Sequence[Priced]) -> Job:
+    names = [(m.experiment, m.path, m.key) for run, _ in runs for m in run]
+    seconds = [price if m is run[0] else 0.0 for run, price in runs for m in run]
+    memory = [estimate_run(run[0].run.computation).cost.memory_mb for run, _ in runs]
+    return Job(tuple(names), tuple(seconds), threads_of(runs[0][0]), max(memory))
+
+
+def seconds_of(runs: Sequence[Sequence[Member]]) -> list[float]:
+    """Estimated time of each run on one core, one after the other: a tensor counts for the first of them."""
+    return one_after_the_other(estimate_run(run[0].run.computation).cost for run in runs)
 
 
 def threads_of(run: Sequence[Member]) -> int:

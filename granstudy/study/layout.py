@@ -9,7 +9,7 @@ from granstudy.runs.store import Store
 from granstudy.study.benchmark.benchmark import benchmark
 from granstudy.study.run import Run
 from granstudy.study.schema.experiment import Experiment
-from granstudy.study.schema.names import MAP
+from granstudy.study.schema.names import ATLAS, MAP
 from granstudy.study.study import Study
 from granstudy.support.fingerprint import fingerprint
 
@@ -122,11 +122,11 @@ class Layout:
         return f"{self.jobs}/{name}.gathered.nc"
 
     def table_file(self, name: str, form: str = "nc") -> str:
-        """Table of an experiment, or of the map."""
+        """Table of an experiment, of the map, or of the atlas."""
         return f"{self.results}/tables/{name}.{form}"
 
     def figure_file(self, name: str, form: str = "png") -> str:
-        """Figure of an experiment, or of the map."""
+        """Figure of an experiment, of the map, or of the atlas."""
         return f"{self.results}/figures/{name}.{form}"
 
     def beside_table(self, name: str) -> list[str]:
@@ -195,6 +195,17 @@ class Layout:
         return [self.table_file(name) for name in self.study.model.with_truth]
 
     @property
+    def atlas(self) -> list[str]:
+        """The atlas of the study's states, where the study asks for one."""
+        asked = self.study.model.atlas is not None
+        return [self.table_file(ATLAS), self.figure_file(ATLAS)] if asked else []
+
+    @property
+    def atlas_tables(self) -> list[str]:
+        """Tables that the atlas is made from."""
+        return [self.table_file(name) for name in self.study.model.with_states]
+
+    @property
     def notebooks(self) -> list[str]:
         """The executed notebooks of the study."""
         return [f"{self.results}/notebooks/{name}.ipynb" for name in self._notebooks]
@@ -216,20 +227,21 @@ class Layout:
         return f"{self.results}/index.html"
 
     def table_page(self, name: str) -> str:
-        """Table of an experiment, or of the map, as a page for Snakemake's report."""
+        """Table of an experiment, of the map, or of the atlas, as a page for Snakemake's report."""
         return f"{self.results}/report/{name}.html"
 
     @property
     def tabled(self) -> list[str]:
-        """Names that have a table: the map, and experiments that ask for a table or a figure."""
-        experiments = self.study.model.experiments
-        names = [name for name, one in experiments.items() if one.table or one.figure]
-        return [*([MAP] if self.study.model.map is not None else []), *names]
+        """Names that have a table: map, atlas, and experiments that ask for a table or a figure."""
+        model = self.study.model
+        names = [name for name, one in model.experiments.items() if one.table or one.figure]
+        joint = {MAP: model.map, ATLAS: model.atlas}
+        return [*(name for name, asked in joint.items() if asked is not None), *names]
 
     @property
     def reported(self) -> list[str]:
         """What the report shows."""
-        return [*self.datasets, *self.tables, *self.figures, *self.map]
+        return [*self.datasets, *self.tables, *self.figures, *self.map, *self.atlas]
 
     @property
     def wanted(self) -> list[str]:

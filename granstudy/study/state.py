@@ -49,7 +49,7 @@ class State:
     @property
     def seconds(self) -> float:
         """Estimated time of the missing runs, on one core."""
-        return sum(map(seconds_of, self.missing))
+        return sum(seconds_of(self.missing))
 
     def words(self) -> dict[tuple[str, str], str]:
         """How each run stands, by experiment and path: ``done``, ``missing``, or ``stale``.

@@ -45,7 +45,7 @@ def cached_array(name: str, compute: Callable[[], np.ndarray]) -> np.ndarray:
     is kept.
     """
     try:
-        path = cache_folder() / f"{name}.npy.sha256"
+        path = _path(name)
     except OSError as error:
         _say_not_kept(str(error))
         return compute()
@@ -58,6 +58,18 @@ def cached_array(name: str, compute: Callable[[], np.ndarray]) -> np.ndarray:
         except OSError as error:
             _say_not_kept(f"{path.parent}: {error}")
     return array
+
+
+def is_kept(name: str) -> bool:
+    """Whether a file of that name is there; what it holds is not looked at."""
+    try:
+        return _path(name).is_file()
+    except OSError:
+        return False
+
+
+def _path(name: str) -> Path:
+    return cache_folder() / f"{name}.npy.sha256"
 
 
 def _say_not_kept(reason: str) -> None:

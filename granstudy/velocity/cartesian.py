@@ -196,5 +196,13 @@ class VelocityGrid:
 
 
 def _along(matrix: np.ndarray, f: np.ndarray, axis: int) -> np.ndarray:
-    """``matrix`` times ``f`` along one axis."""
-    return np.moveaxis(np.tensordot(matrix, f, axes=(1, axis)), 0, axis)
+    """``matrix`` times ``f`` along one axis.
+
+    One product for each plane: BLAS hands a single larger one to threads of its own, which wait for each
+    other wherever the cores are busy. *Measured*: 24 ms for 0.2 ms at N = 48, six processes on two cores.
+    """
+    if axis == f.ndim - 1:
+        return f @ matrix.T
+    if axis == f.ndim - 2:
+        return matrix @ f
+    return np.moveaxis(matrix @ np.moveaxis(f, 0, -2), -2, 0)

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -238,11 +238,10 @@ class RadialGrid:
         values = sphere_mean(self.dim, np.multiply.outer(self.nodes, k)) @ c
         return np.where(self.nodes < grid.L, values, 0.0)
 
-    @cached_property
+    @property
     def _zeros(self) -> np.ndarray:
         """The first N+1 zeros of M, increasing."""
-        count = self.N + 1
-        return jn_zeros(0, count) if self.dim == 2 else np.pi * np.arange(1.0, count + 1)
+        return _first_zeros(self.dim, self.N + 1)
 
     @cached_property
     def _synthesis(self) -> np.ndarray:
@@ -277,3 +276,11 @@ class RadialGrid:
     def _check_grid(self, grid: VelocityGrid) -> None:
         if grid.dim != self.dim:
             raise ValueError(f"Cartesian grid has dim {grid.dim}: the radial grid has {self.dim}")
+
+
+@cache
+def _first_zeros(dim: int, count: int) -> np.ndarray:
+    """The first zeros of M: those of J0 in 2D, mπ in 3D."""
+    zeros = jn_zeros(0, count) if dim == 2 else np.pi * np.arange(1.0, count + 1)
+    zeros.flags.writeable = False
+    return zeros

@@ -356,7 +356,7 @@ class OpenStudy:
 
 
 def _task(same: Sequence[Member]) -> RunTask:
-    return RunTask(same[0].run.computation, same[0].key, seconds_of(same), threads_of(same))
+    return RunTask(same[0].run.computation, same[0].key, seconds_of([same])[0], threads_of(same))
 
 
 def open_study(

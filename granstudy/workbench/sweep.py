@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from granstudy.collision.choice.cost import one_after_the_other
 from granstudy.datasets.collected import gather
 from granstudy.datasets.open_runs import open_runs
 from granstudy.model.scene import Scene
@@ -128,8 +129,13 @@ def sweep(
     labelled = labels(lists, points, lambda place: _coordinates(computations[place]))
     keys = run_keys(computations)
     tasks = [
-        RunTask(one, key, estimate_run(one).cost.seconds)
-        for one, key in zip(computations, keys, strict=True)
+        RunTask(one, key, seconds)
+        for one, key, seconds in zip(
+            computations,
+            keys,
+            one_after_the_other(estimate_run(one).cost for one in computations),
+            strict=True,
+        )
     ]
     write_root(results, name, [*keys, *rung_keys(computations)])
     failures = _failures(compute(tasks, store, **how))

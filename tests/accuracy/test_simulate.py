@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 import granstudy as gs
+from granstudy.runs.labels.gaussians import Gaussians
 from granstudy.trust.flags import Trust
 from granstudy.trust.truth import errors, maxwell_truth, truth_of_dataset
 
@@ -142,3 +143,59 @@ def test_a_loose_accuracy_does_not_shrink_the_box_of_an_elastic_gas():
     assert off.temperature <= 0.1
     assert off.a2 <= 0.1
     assert ds["leg_R"].values[0] > 3.0
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_the_kurtosis_of_maxwell_molecules_is_right_where_their_tail_is_a_power_law(dim):
+    # at e = 0 in 2D, a2 grows without bound: no grid holds the tail
+    scene = gs.load_scene(f"maxwellian{dim}d", exponent=0.0, restitution=0.0, diffusion=0.0)
+    ds = quiet(scene, accuracy=1e-5, t_final=20.0)
+    assert ds["a2"][-1] > 0.8
+    off = errors(ds, maxwell_truth(scene, ds["time"].values))
+    assert off.temperature <= 1e-5
+    assert off.a2 <= 1e-4 * (1.0 + float(ds["a2"][-1]))
+    assert ds["trust"].item() == Trust.TRUSTED
+
+
+def test_a_density_with_an_edge_is_as_accurate_as_its_shape():
+    scene = hard("uniform_ball3d", 0.0, diffusion=0.29)
+    words = {"t_final": 3.0, "times": [0.1, 0.3, 1.0]}
+    coarse, fine = (quiet(scene, accuracy=asked, **words) for asked in (1e-2, 1e-3))
+    assert coarse["trust"].item() == Trust.TRUSTED
+    assert coarse["leg_N"].values[-1] < fine["leg_N"].values[-1]
+    off = np.abs(coarse["temperature"] / fine["temperature"] - 1.0)
+    assert np.all(off <= coarse["temperature_error_estimate"])
+    assert np.all(np.abs(coarse["a2"] - fine["a2"]) <= coarse["a2_error_estimate"])
+
+
+def test_a_gas_on_a_marginal_spacing_gets_a_finer_one_not_ever_larger_boxes():
+    scene = gs.load_scene(
+        "two_beams2d",
+        kernel=gs.maxwell(2),
+        restitution=0.9,
+        separation=1.752,
+        temperature=0.893,
+        diffusion=0.332,
+    )
+    ds = quiet(scene, accuracy=1e-4, t_final=3.0, times=[0.3, 0.9])
+    off = errors(ds, maxwell_truth(scene, ds["time"].values))
+    assert off.temperature <= 1e-4
+    assert off.a2 <= 1e-3
+    assert ds.sizes["leg"] <= 4
+    assert ds["leg_R"].values[-1] < 10.0
+
+
+def test_a_run_on_a_grid_that_spoilt_its_shape_begins_again():
+    humps = Gaussians((0.445, 0.555), ((0.591075, 0.0), (-0.473925, 0.0)), (0.785, 0.802))
+    scene = gs.Scene(
+        dim=2, initial=humps, kernel=gs.hard_spheres(2), restitution=0.0, diffusion=0.02
+    )
+    ds = quiet(scene, accuracy=1e-4, t_final=0.6, times=[0.06, 0.18])
+    assert "begun again" in json.loads(ds.attrs["choices"])[0]["reason"]
+    fine = gs.Solver(N=40, R=8.5, rtol=1e-6)
+    true = truth_of_dataset(
+        quiet(scene, solver=fine, t_final=0.6, time_rtol=1e-8, times=[0.06, 0.18])
+    )
+    off = errors(ds, true)
+    assert off.temperature <= 1e-4
+    assert off.a2 <= 1e-3

@@ -3,9 +3,11 @@
 import os
 
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
+import granstudy as gs
 from granstudy.support import machine
-from granstudy.support.machine import check_memory, cores, memory
+from granstudy.support.machine import check_memory, cores, memory, one_blas_thread
 
 
 @pytest.mark.fault("B12")
@@ -34,3 +36,37 @@ def test_more_than_the_memory_is_refused(monkeypatch):
         check_memory("N=512", 64.12e9, "take fewer")
     monkeypatch.setattr(machine, "memory", lambda: None)
     check_memory("N=512", 64.12e9, "take fewer")
+
+
+def blas_threads():
+    """Threads of each BLAS library that this process has loaded."""
+    return [one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"]
+
+
+@pytest.fixture
+def two_threads():
+    with threadpool_limits(limits=2, user_api="blas"):
+        yield blas_threads()
+
+
+def test_blas_has_one_thread_while_a_run_computes(two_threads):
+    if set(two_threads) != {2}:
+        pytest.skip("this BLAS takes no two threads")
+    seen = []
+    scene = gs.load_scene("maxwellian2d")
+    solver = gs.Solver(N=8, R=8.0, method="radial")
+
+    def look(*progress):
+        seen.append(blas_threads())
+
+    for words in ({"solver": solver, "dt": 0.1}, {"accuracy": 1e-2}):
+        gs.simulate(scene, t_final=0.2, progress=look, **words)
+        assert seen and all(set(threads) == {1} for threads in seen)
+        assert blas_threads() == two_threads
+        seen.clear()
+
+
+def test_blas_gets_its_threads_back_after_an_error(two_threads):
+    with pytest.raises(KeyError), one_blas_thread():
+        raise KeyError
+    assert blas_threads() == two_threads

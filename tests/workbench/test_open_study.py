@@ -82,7 +82,8 @@ def test_runs_and_what_is_left_before_and_after(here, computed):
     study = opened()
     assert states(study) == ["missing"] * 3 and (study.runs["seconds"] > 0.0).all()
     assert study.remaining.runs == 3 and study.remaining.memory_mb > 0
-    assert study.remaining.seconds == pytest.approx(study.runs["seconds"].sum())
+    # a tensor that two runs need counts once
+    assert 0.0 < study.remaining.seconds <= study.runs["seconds"].sum()
     assert "0 of 3 runs are done; 3 left" in repr(study) and "cooling: cooling; 3 runs" in repr(
         study
     )

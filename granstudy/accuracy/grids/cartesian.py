@@ -5,6 +5,7 @@ truncation is predicted by sums over pairs, and aliasing measured with a rough r
 the operator then show whether the prediction was right.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +24,7 @@ from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver, Solver
 from granstudy.support.errors import ToleranceError
 from granstudy.trust.changes import Change, change_of_moments
+from granstudy.trust.error_estimate import Balance
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.symmetry import Symmetry
 
@@ -62,14 +64,14 @@ ACCEPTED = 0.8
 """Growth of errors over the allowed growth with which an operator is taken: the quadrature's part falls as
 the gas relaxes."""
 
-BLAMELESS = 0.3
-"""Growth that is predicted for a grid, over what is found, below which the quadrature makes the rest."""
-
 EXTENDED = 1.1
 """Factor at least from one radius to the next."""
 
-LOOSENED = 2.0
-"""Tolerance that is tried on a larger grid, over the present one, at most."""
+LARGEST_SLACK = 0.3
+"""Growth of errors of the shape over the allowed one, up to which a quadrature becomes looser."""
+
+CLOSER = (1.05, 1.18)
+"""Points on a length over the present ones that are tried."""
 
 LARGEST_GROWTH = 1.3
 """The same at most."""
@@ -88,6 +90,11 @@ REFUSED = 6
 
 HELPED = 0.7
 """Growth with a tighter quadrature, over that with a looser one, above which it is not the cause."""
+
+
+def _even(number: float) -> int:
+    """The even number next above."""
+    return 2 * int(np.ceil(number / 2))
 
 
 class Search:
@@ -127,55 +134,73 @@ class Search:
         self._rtol = float(np.clip(growth, SMALLEST_RTOL, LARGEST_RTOL))
         self._wider = 1.0
 
-    def find(self) -> Tried:
+    def find(self, too_coarse: SizedSolver | None = None) -> Tried:
         """The grid with the fewest points that is predicted to do, made and checked; else the best found.
+
+        With more points, a larger radius and a tighter quadrature than one that turned out too coarse.
 
         Raises
         ------
         ToleranceError
             If no grid allows any quadrature.
         """
-        first = self._next(0)
-        assert first is not None
+        if too_coarse is not None:
+            assert too_coarse.rtol is not None
+            self._rtol = max(min(self._rtol, too_coarse.rtol) / TIGHTER, SMALLEST_RTOL)
+            self._wider = EXTENDED
+        first = self._next(too_coarse.N if too_coarse else 0)
+        if first is None:
+            raise ToleranceError("no more points are tried, or fit into memory")
         return self._improve(first)
 
-    def go_on(self, leg: Leg, ratio: float) -> Tried:
-        """A grid for a gas that outgrew its own, on which errors grow at ``ratio`` times the allowed rate.
+    def go_on(self, leg: Leg, now: Balance) -> Tried:
+        """A grid for a gas that outgrew its own, whose errors now grow as ``now`` says.
 
-        What is predicted for the grid itself says what to change. Where that is little, the quadrature is
-        planned anew. Where pairs are cut off, nodes are added beyond the border, and all others stay. The
-        same where another quadrature does not help: a grid cannot tell what a tail is like beyond it. Else
-        the spacing becomes smaller.
+        The first of the remedies on which errors grow slowly enough, else the best one.
+
+        Raises
+        ------
+        ToleranceError
+            If no remedy allows any quadrature.
         """
-        now = leg.solver
-        assert now.rtol is not None
-        quadrature = self._predicted(now) <= BLAMELESS * ratio
-        # what was enough until now is a better guess than the one that knows no gas
-        self._rtol = min(self._rtol, now.rtol if quadrature else LOOSENED * now.rtol)
-        if quadrature:
-            loose = self._rtol
-            self._rtol = max(now.rtol / (2.0 * ratio), SMALLEST_RTOL)
-            tried = self._try(self._solver(now.N, now.R))
-            if tried is not None and tried.ratio <= ACCEPTED:
-                return tried
-            self._rtol = loose
-            further = self._further_out(now, EXTENDED * now.R)
-            if further is not None:
-                return self._improve(further)
-        elif self._cut_off(now.R) > self._target:
-            R = float(np.clip(self._radius(), EXTENDED * now.R, LARGEST_GROWTH * now.R))
-            further = self._further_out(now, R)
-            if further is not None:
-                return self._improve(further)
-        finer = self._next(now.N)
-        return self._improve(self._solver(now.N, now.R) if finer is None else finer)
+        best: Tried | None = None
+        for solver in self._remedies(leg.solver, now):
+            tried = self._try(solver)
+            if tried is not None and (best is None or tried.ratio < best.ratio):
+                best = tried
+            if best is not None and best.ratio <= ACCEPTED:
+                return best
+        if best is None:
+            raise ToleranceError("no remedy has a quadrature")
+        return best
 
-    def _further_out(self, now: SizedSolver, R: float) -> SizedSolver | None:
-        """The grid of the same nodes and more beyond, to a radius; None where memory does not hold it."""
-        N = 2 * int(np.ceil(now.N * R / now.R / 2))
-        if N <= now.N or not self._fits(N):
-            return None
-        return self._solver(N, now.R * N / now.N)
+    def _remedies(self, solver: SizedSolver, now: Balance) -> Iterator[SizedSolver]:
+        """Grids and quadratures that may do better, by the cause that is most likely.
+
+        Where pairs are cut off, nodes are added beyond the border, and all others stay. Else the quadrature
+        becomes tighter, then the spacing smaller as well: a density on a marginal spacing has noise far out,
+        which the next grid must hold too.
+        """
+        assert solver.rtol is not None
+        N, R, allowed = solver.N, solver.R, self._need.allowed
+        tight = max(solver.rtol / max(2.0 * allowed.ratio(now), TIGHTER), SMALLEST_RTOL)
+        if self._cut_off(R) > self._target:
+            M = _even(N * np.clip(self._radius() / R, EXTENDED, LARGEST_GROWTH))
+            slack = LARGEST_SLACK * allowed.other / max(now.other, 1e-300)
+            loose = min(solver.rtol * float(np.clip(slack, 1.0, LOOSER)), LARGEST_RTOL)
+            grids = [
+                (M, R * M / N, loose),
+                (M, R * M / N, tight),
+                (_even(CLOSER[0] * M), R * M / N, tight),
+            ]
+        else:
+            grids = [
+                (N, R, tight),
+                *((_even(n * EXTENDED * N), EXTENDED * R, tight) for n in CLOSER),
+            ]
+        for N, R, self._rtol in grids:
+            if self._fits(N):
+                yield self._solver(N, R)
 
     def _improve(self, solver: SizedSolver) -> Tried:
         """The operator of a solver, made and checked, and made better where it does not do."""

@@ -1,6 +1,7 @@
 """Where a density comes from when it is put on a new grid: the initial one, or a run's present one."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -8,10 +9,21 @@ import numpy as np
 from granstudy.accuracy.grids.regrid import Kept, kept_moments, regrid, with_moments
 from granstudy.accuracy.leg import Gas
 from granstudy.trust.changes import Change
-from granstudy.trust.error_estimate import imbalance
+from granstudy.trust.error_estimate import Imbalance, a2_relaxation, imbalance
 from granstudy.trust.initial_errors import StartMoments
 from granstudy.trust.pair_rates import CollisionRates
+from granstudy.velocity.radial import RadialGrid
 from granstudy.velocity.space import VelocitySpace
+
+EDGE, UNSEEN = 1e-8, 0.5
+"""Errors of a density's moments by the sums of a grid between which it has an edge: less is round-off and
+tails, more is a core that the grid does not see."""
+
+REFERENCE_SPEEDS, REFERENCE_RADIUS = 256, 12.0
+"""Speeds, and R in units of √T, of the grid that the shape of a density with an edge is held against."""
+
+SHAPES_COUNT = 2.0
+"""Factor on errors of the shape: the reference has errors too."""
 
 
 class Source(Protocol):
@@ -36,13 +48,36 @@ class Initial:
         return with_moments(self.gas.scene.density(grid), grid, kept_of(self.true, grid.dim))
 
     def lost(self, grid: VelocitySpace) -> Change:
-        """Errors of T and a2 by the grid's sums; an error of the mass counts as one of T."""
+        """Errors of T and a2 by the grid's sums; an error of the mass counts as one of T.
+
+        Over speeds, only the shape of a density with an edge counts: its moments are given back, so that T
+        and a2 go wrong only as far as their rates do, until the shape relaxes.
+        """
         f = self.gas.scene.density(grid)
         kept, d = kept_moments(f, grid), grid.dim
         T = kept.second / (d * kept.density)
         a2 = kept.fourth / kept.density / (d * (d + 2) * T**2) - 1.0
         mass = abs(kept.density / self.true.density - 1.0)
-        return Change(abs(T / self.true.temperature - 1.0) + mass, abs(a2 - self.true.a2) + mass)
+        lost = Change(abs(T / self.true.temperature - 1.0) + mass, abs(a2 - self.true.a2) + mass)
+        if not isinstance(grid, RadialGrid) or max(lost) < EDGE or max(lost) > UNSEEN:
+            return lost
+        exact, found = self._reference, self._rates(grid)
+        relaxing = a2_relaxation(self.gas.scene.restitution, d, self.gas.scene.kernel.exponent)
+        by_shape = Change(
+            abs(found.cooling - exact.cooling), abs(found.shaping - exact.shaping)
+        ).scaled(SHAPES_COUNT / (relaxing * exact.frequency))
+        return Change(*map(min, lost, by_shape))
+
+    def _rates(self, grid: VelocitySpace) -> Imbalance:
+        """Exact rates of the density on a grid."""
+        rates = CollisionRates(self.gas.scene, grid)
+        return imbalance(rates, self.on(grid), Change(0.0, 0.0))
+
+    @cached_property
+    def _reference(self) -> Imbalance:
+        """Exact rates of the density over many speeds."""
+        R = REFERENCE_RADIUS * float(np.sqrt(self.true.temperature))
+        return self._rates(RadialGrid(self.gas.scene.dim, REFERENCE_SPEEDS, R))
 
 
 @dataclass(frozen=True)

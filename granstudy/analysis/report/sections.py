@@ -1,5 +1,6 @@
 """Sections of a report: an experiment's table and figure, with what they show."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from markupsafe import Markup
 from granstudy.analysis.columns import heading
 from granstudy.analysis.figures.figure import FIGURES
 from granstudy.analysis.report.markup import data_uri, html_of
+from granstudy.analysis.tables.atlas import markdown_atlas
 from granstudy.analysis.tables.map import markdown_map
 from granstudy.analysis.tables.markdown import HIDDEN
 from granstudy.analysis.tables.table import KINDS
@@ -16,7 +18,8 @@ from granstudy.datasets.netcdf import read_dataset
 from granstudy.datasets.parameters import parameter
 from granstudy.study.layout import Layout
 from granstudy.study.schema.experiment import FigureModel
-from granstudy.study.schema.names import MAP
+from granstudy.study.schema.file import AtlasModel, MapModel
+from granstudy.study.schema.names import ATLAS, MAP
 from granstudy.trust.flags import Trust
 
 LARGEST_SVG = 1_000_000
@@ -28,6 +31,12 @@ MARKED_OTHERWISE = {
     "gallery": "Lines of untrusted runs are pale.",
 }
 """How figures show labels, by the kind of figure where it is another way."""
+
+OF_ATLAS = (
+    "States over e and λ: a2, a3, K and the tail, and how far the linear theories are off. States that "
+    "are not trusted are hatched. The dataset has every number with its error."
+)
+"""What the atlas of a study shows."""
 
 OF_MAP = "Errors of T and a2 of every run that is held against a truth, and its label."
 """What the map of a study shows."""
@@ -52,7 +61,7 @@ class Drawing:
 
 @dataclass(frozen=True)
 class SectionOf:
-    """One experiment, or the map.
+    """One experiment, the map, or the atlas.
 
     Attributes
     ----------
@@ -77,9 +86,15 @@ class SectionOf:
 
 
 def sections(layout: Layout) -> list[SectionOf]:
-    """All that a study asks for: the map first, then the experiments in the study file's order."""
+    """All that a study asks for: map and atlas first, then the experiments in the study file's order."""
+    model = layout.study.model
+    joint = {
+        MAP: (model.map, OF_MAP, markdown_map),
+        ATLAS: (model.atlas, OF_ATLAS, markdown_atlas),
+    }
     return [
-        _map_section(layout) if name == MAP else _section(layout, name) for name in layout.tabled
+        _joint_section(layout, name, *joint[name]) if name in joint else _section(layout, name)
+        for name in layout.tabled
     ]
 
 
@@ -103,19 +118,25 @@ def _section(layout: Layout, name: str) -> SectionOf:
     )
 
 
-def _map_section(layout: Layout) -> SectionOf:
-    table = _table(layout, MAP)
-    asked = layout.study.model.map
-    title = asked.title if asked is not None else MAP
-    drawing = _drawing(layout, MAP, OF_MAP, title)
+def _joint_section(
+    layout: Layout,
+    name: str,
+    asked: MapModel | AtlasModel | None,
+    caption: str,
+    markdown: Callable[[xr.Dataset], str],
+) -> SectionOf:
+    """A section of what several experiments are joined to."""
+    table = _table(layout, name)
+    title = asked.title if asked is not None else name
+    drawing = _drawing(layout, name, caption, title)
     return SectionOf(
-        name=MAP,
+        name=name,
         title=title,
-        table=None if table is None else html_of(markdown_map(table)),
+        table=None if table is None else html_of(markdown(table)),
         definitions=[] if table is None else definitions(table),
         drawing=drawing,
-        csv=_csv(layout, MAP),
-        missing=[] if table is not None and drawing is not None else ["map"],
+        csv=_csv(layout, name),
+        missing=[] if table is not None and drawing is not None else [name],
     )
 
 

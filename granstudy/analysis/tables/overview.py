@@ -1,11 +1,14 @@
 """A study before it runs, an experiment a line: runs done and left, seconds, memory."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil
 
 from granstudy.analysis.tables.markdown import github_table
+from granstudy.collision.choice.cost import one_after_the_other
 from granstudy.runs.estimates import Estimate, estimate_run
+from granstudy.study.benchmark.timing import LEAST_SECONDS
 from granstudy.study.jobs import jobs
 from granstudy.study.layout import Layout
 from granstudy.study.run import Run
@@ -47,26 +50,48 @@ def study_lines(layout: Layout) -> list[Line]:
     """A line for each experiment of a study."""
     state = State(layout)
     first = [same[0] for same in state.missing]
+    own = {
+        name: list(runs.values())
+        if layout.study.is_timed(name)
+        else [m.run for m in first if m.experiment == name]
+        for name, runs in layout.study.runs.items()
+    }
+    estimates = {
+        name: [estimate_run(run.computation) for run in runs] for name, runs in own.items()
+    }
+    # what one run keeps in the cache no other run computes, of whichever experiment
+    shared = iter(one_after_the_other(e.cost for some in estimates.values() for e in some))
     lines = []
-    for name, runs in layout.study.runs.items():
-        timed = layout.study.is_timed(name)
-        own = list(runs.values()) if timed else [m.run for m in first if m.experiment == name]
-        estimates = [estimate_run(run.computation) for run in own]
-        seconds = [
-            _timed(run, one) if timed else one.cost.seconds
-            for run, one in zip(own, estimates, strict=True)
-        ]
-        methods = dict.fromkeys(one.choice.solver.method for one in estimates)
-        memory = max((one.cost.memory_mb for one in estimates), default=0)
-        lines.append(Line(name, len(runs), len(own), sum(seconds), memory, ", ".join(methods)))
+    for name, runs in own.items():
+        some = estimates[name]
+        seconds = sum(itertools.islice(shared, len(some)))
+        if layout.study.is_timed(name):
+            seconds = _timed(runs, some)
+        methods = dict.fromkeys(one.choice.solver.method for one in some)
+        memory = max((one.cost.memory_mb for one in some), default=0)
+        whole = len(layout.study.runs[name])
+        lines.append(Line(name, whole, len(runs), seconds, memory, ", ".join(methods)))
     return lines
 
 
-def _timed(run: Run, estimate: Estimate) -> float:
-    """Seconds of one run of a benchmark: its set-up and rounds, on one thread too, and its memory."""
-    timing = run.timing
-    evaluations = timing.rounds * (2 if timing.single_thread else 1)
-    return estimate.cost.setup + evaluations * estimate.cost.each + MEASURED * timing.memory
+def _timed(runs: Sequence[Run], estimates: Sequence[Estimate]) -> float:
+    """Seconds of a benchmark: set-ups, rounds of each series, on one thread too, and memory."""
+    timing, own = (
+        runs[0].timing,
+        [e for run, e in zip(runs, estimates, strict=True) if not run.is_reference],
+    )
+    series: dict[int | None, float] = {}
+    for one in own:
+        grid = None if runs[0].has_reference else one.choice.solver.N
+        series[grid] = series.get(grid, 0.0) + timing.rounds * one.cost.each
+    rounds = sum(max(seconds, LEAST_SECONDS) for seconds in series.values())
+    alone = sum(e.cost.seconds for run, e in zip(runs, estimates, strict=True) if run.is_reference)
+    setups = sum(one_after_the_other(e.cost for e in own)) - sum(
+        e.evaluations * e.cost.each for e in own
+    )
+    return (
+        alone + (setups + rounds) * (1 + timing.single_thread) + len(own) * MEASURED * timing.memory
+    )
 
 
 def overview(layout: Layout, cores: int) -> str:

@@ -6,9 +6,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from granstudy.accuracy.asked import Accuracy
 from granstudy.analysis.tables.markdown import github_table
+from granstudy.collision.choice.cost import on_threads
+from granstudy.collision.choice.methods import OPERATORS
 from granstudy.evolution.forecast import Forecast, plan
-from granstudy.runs.estimates import estimate_run, expected_evaluations, planned_scene
+from granstudy.runs.computation import Computation
+from granstudy.runs.estimates import chosen, estimate_run, expected_evaluations, planned_scene
 from granstudy.runs.kinds import KINDS
 from granstudy.study.run import Run
 from granstudy.study.study import Study
@@ -47,16 +51,45 @@ def study_forecasts(study: Study) -> list[Row]:
 def forecast(run: Run) -> Forecast:
     """Forecast one run; seconds include those of runs that it makes on its way."""
     solver = replace(run.solver, threads=run.model.threads)
-    time = run.time
+    time, computation = run.time, run.computation
+    if solver.accuracy is not None:
+        return _to_accuracy(computation, run.model.threads)
     if time is None:
-        one = plan(planned_scene(run.computation), solver)
-        evaluations = expected_evaluations(run.computation)
+        one = plan(planned_scene(computation), solver)
+        evaluations = expected_evaluations(computation)
         further = (evaluations - one.evaluations) * one.seconds_per_evaluation
+        further += KINDS[computation.kind].seconds(chosen(computation).solver)
         return replace(one, evaluations=evaluations, seconds=one.seconds + further)
-    one = plan(run.scene, solver, time.t_final, time.dt, time.time_rtol, time.scheme)
-    if KINDS[run.computation.kind].parts(run.computation):
-        one = replace(one, seconds=estimate_run(run.computation).cost.seconds)
+    one = plan(run.scene, solver, time.t_final, time.dt, time.time_rtol, time.scheme, time.frame)
+    if KINDS[computation.kind].parts(computation):
+        one = replace(one, seconds=estimate_run(computation).cost.seconds)
     return one
+
+
+def _to_accuracy(computation: Computation, threads: int) -> Forecast:
+    """Forecast of a run or a state to an accuracy, without the search for its grid."""
+    estimate = estimate_run(computation)
+    solver, cost = estimate.choice.solver, estimate.cost
+    method = OPERATORS[solver.method].cost
+    transforms = method.transforms(computation.scene, solver)
+    return Forecast(
+        method=solver.method,
+        reason=estimate.choice.reason,
+        dim=computation.scene.dim,
+        N=solver.N,
+        R=float(solver.R),
+        nodes=method.nodes(computation.scene, solver),
+        transforms=transforms,
+        n=solver.N,
+        threads=threads,
+        seconds_per_evaluation=on_threads(cost.each, method.efficiency, threads),
+        evaluations=estimate.evaluations,
+        seconds=on_threads(cost.seconds, method.efficiency, threads),
+        memory_mb=cost.memory_mb,
+        error=None,
+        plan=None,
+        accuracy=Accuracy.of_solver(computation.solver).describe(),
+    )
 
 
 def write_plan(study: Study, md: str | Path, csv: str | Path) -> None:

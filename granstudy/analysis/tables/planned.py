@@ -21,7 +21,7 @@ from granstudy.analysis.tables.runs import (
     collision_columns,
     evolution_columns,
 )
-from granstudy.analysis.tables.states import NUMBERS, state_columns
+from granstudy.analysis.tables.states import columns_of, state_columns
 from granstudy.analysis.tables.truth import AT_THE_END, MEASURES, truth_columns, wants_seconds
 from granstudy.datasets.parameters import ABSENT
 from granstudy.particles.dataset import COUNTS
@@ -170,7 +170,7 @@ def _benchmark(source: TableSource) -> xr.Dataset:
 
 def _state(source: TableSource) -> xr.Dataset:
     try:
-        return state_columns(source, _values(source, NUMBERS))
+        return state_columns(source, _values(source, columns_of(source)))
     except ValueError as error:
         text = str(error)
         raise ValueError(text if text.startswith("table.") else f"table.quantity: {text}") from None

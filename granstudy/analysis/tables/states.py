@@ -49,13 +49,36 @@ def state_table(source: TableSource) -> xr.Dataset:
 NUMBERS = ("temperature", "a2", "a3", "cooling_coefficient", "a2_error_estimate")
 """Variables of states that their table has."""
 
+ACCURATE = {
+    "temperature": "temperature",
+    "a2": "a2",
+    "a3": "a3",
+    "cooling_coefficient": "cooling_coefficient",
+    "a2_error": "estimated_a2_error",
+    "a3_error": "estimated_a3_error",
+    "cooling_coefficient_error": "estimated_cooling_coefficient_error",
+    "tail_rate": "tail_rate",
+    "tail_rate_error": "tail_rate_error",
+    "far_slope": "far_slope",
+    "far_slope_error": "far_slope_error",
+    "far_speed": "far_speed",
+}
+"""Variables of states to an accuracy that their table has, and their columns."""
+
+
+def columns_of(source: TableSource) -> dict[str, str]:
+    """Variables of the states of an experiment that its table has, and their columns."""
+    if all(run.solver.accuracy is not None for run, _ in source.rows):
+        return ACCURATE
+    return dict(zip(NUMBERS, NUMBERS, strict=True)) | {"a2_error_estimate": "estimated_a2_error"}
+
 
 def state_columns(source: TableSource, last: xr.Dataset) -> xr.Dataset:
     """The table of states, from their numbers; as of `state_table`."""
     assert isinstance(source.experiment, StateExperiment)
     rows, state = source.rows, source.experiment.state
-    table = last[[*NUMBERS, "status", "trust"]]
-    table = with_swept(table.rename(a2_error_estimate="estimated_a2_error"), rows)
+    columns = columns_of(source)
+    table = with_swept(last[[*columns, "status", "trust"]].rename(columns), rows)
     others = dict(zip(source.experiment.beside_table, source.beside, strict=True))
     table.attrs |= {"state": state, "dim": rows[0].run.scene.dim, "beside": " ".join(others)}
     shown = []
@@ -64,6 +87,9 @@ def state_columns(source: TableSource, last: xr.Dataset) -> xr.Dataset:
         beside = _beside(table, quantity, others)
         table = table.assign(theories | beside)
         shown += [quantity, *theories, *beside]
+    if columns is ACCURATE:
+        table = table.assign(linear_coefficient(table, rows))
+        shown += ["estimated_a2_error", *OF_ACCURATE]
     shown += ["a3", "cooling_coefficient", "estimated_a2_error", "trust", "status"]
     check_quantity(source.quantity, table)
     table = table[list(dict.fromkeys((source.quantity, *shown)))]
@@ -72,6 +98,34 @@ def state_columns(source: TableSource, last: xr.Dataset) -> xr.Dataset:
             own = column(str(name), list(others))
             variable.attrs["format"] = own.solved or own.digits
     return table
+
+
+OF_ACCURATE = (
+    "a3",
+    "estimated_a3_error",
+    "cooling_coefficient",
+    "estimated_cooling_coefficient_error",
+    "cooling_coefficient_linear",
+    "tail_rate",
+    "tail_rate_error",
+    "far_speed",
+    "far_slope",
+    "far_slope_error",
+)
+"""Columns of states to an accuracy after those of a2, in reading order."""
+
+
+def linear_coefficient(table: xr.Dataset, rows: Sequence[Row]) -> dict[str, Variable]:
+    """K by linear theory: that of a Gaussian, corrected for the a2 of linear theory."""
+    state, dim = table.attrs["state"], table.attrs["dim"]
+    found = []
+    for run, _ in rows:
+        e, kernel = _restitution(run), run.scene.kernel
+        a2 = theory_a2("a2_linear", state, e, dim, kernel.exponent)
+        K = theory.gaussian_cooling_coefficient(kernel, e, dim)
+        found.append(K * theory.cooling_correction(kernel.exponent, a2))
+    name = "cooling_coefficient_linear"
+    return {name: computed(name, np.array(found))}
 
 
 def theory_a2(column: str, state: str, e: float, dim: int, exponent: float) -> float:

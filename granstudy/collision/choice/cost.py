@@ -9,9 +9,10 @@ products; a restitution law in 2D) led to the constants of today. The fifth is `
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
+from granstudy.collision.fourier.wisdom import planner
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver
 
@@ -27,6 +28,9 @@ EVEN_SIZES = (12, 20)
 UNEVEN = 2.2
 """Time of a point in real transforms of other sizes, over its time in fast ones: FFTW's estimated plans of 24
 points a dimension take longer than plans of 32."""
+
+UNEVEN_TUNED = 1.4
+"""The same with the plans of `granstudy tune`."""
 
 SECONDS_PER_CALL = 1.0e-4
 """Seconds of one evaluation, whatever its size: checks, and handing shares to threads."""
@@ -45,22 +49,42 @@ class Cost:
     Attributes
     ----------
     setup : float
-        Seconds before the first evaluation of Q.
+        Seconds beside the evaluations: before the first of them, and between them.
     each : float
         Seconds of an evaluation.
     evaluations : int
     memory_mb : int
+    kept : tuple of (str, float)
+        What the run computes and keeps for all runs that need it: names in the cache, and seconds. What is
+        kept already is left out.
     """
 
     setup: float
     each: float
     evaluations: int
     memory_mb: int
+    kept: tuple[tuple[str, float], ...] = ()
 
     @property
     def seconds(self) -> float:
-        """Seconds of the set-up and of all evaluations."""
+        """Seconds of all, what is kept included."""
+        return self.own_seconds + sum(seconds for _, seconds in self.kept)
+
+    @property
+    def own_seconds(self) -> float:
+        """Seconds of all but what is kept."""
         return self.setup + self.evaluations * self.each
+
+
+def one_after_the_other(costs: Iterable[Cost]) -> list[float]:
+    """Seconds of runs of which the first that needs a thing computes it, and the others find it."""
+    there: set[str] = set()
+    found = []
+    for cost in costs:
+        missing = {name: seconds for name, seconds in cost.kept if name not in there}
+        there |= set(missing)
+        found.append(cost.own_seconds + sum(missing.values()))
+    return found
 
 
 @dataclass(frozen=True)
@@ -83,6 +107,10 @@ class MethodCost:
         N = 16 to 64, on two cores.
     exact : callable
         solver ↦ whether ``nodes`` and ``transforms`` are exact, known before the operator is made.
+    kept : callable
+        (scene, solver) ↦ what the set-up computes and keeps, as of `Cost`; what is kept already is left out.
+    points : callable
+        (scene, solver) ↦ points a dimension of most transforms.
     """
 
     nodes: Callable[[Scene, SizedSolver], int]
@@ -92,6 +120,8 @@ class MethodCost:
     numbers: Callable[[Scene, SizedSolver, int], float]
     efficiency: float
     exact: Callable[[SizedSolver], bool] = lambda solver: True
+    kept: Callable[[Scene, SizedSolver], tuple[tuple[str, float], ...]] = lambda scene, solver: ()
+    points: Callable[[Scene, SizedSolver], int] = lambda scene, solver: solver.product_points
 
 
 @dataclass(frozen=True)
@@ -118,17 +148,25 @@ class TransformTimes:
         slower = 1.0
         if self.real:
             slower *= OUT_OF_CACHE if points > CACHED_POINTS else 1.0
-            slower *= 1.0 if n in EVEN_SIZES or n.bit_count() == 1 else UNEVEN
+            even = n in EVEN_SIZES or n.bit_count() == 1
+            slower *= 1.0 if even else UNEVEN_TUNED if _is_tuned(scene.dim, n) else UNEVEN
         each = self.each + self.point * slower * points * math.log2(points)
         return SECONDS_PER_CALL + transforms * each
+
+
+def _is_tuned(dim: int, n: int) -> bool:
+    """Whether this machine has wisdom for transforms of n points a dimension."""
+    shape = (n, n if dim == 3 else 1, n)
+    return f"double {'x'.join(map(str, shape))}" in planner().wisdom.texts
 
 
 def estimate(cost: MethodCost, scene: Scene, solver: SizedSolver, evaluations: int) -> Cost:
     """Cost of a number of evaluations of Q by the solver's method, whose row is ``cost``."""
     transforms = cost.transforms(scene, solver)
-    each = cost.seconds(scene, solver, transforms, solver.product_points)
+    each = cost.seconds(scene, solver, transforms, cost.points(scene, solver))
     memory = memory_mb(cost.numbers(scene, solver, transforms))
-    return Cost(cost.setup(scene, solver, each), each, evaluations, memory)
+    kept = cost.kept(scene, solver)
+    return Cost(cost.setup(scene, solver, each), each, evaluations, memory, kept)
 
 
 def memory_mb(numbers: float) -> int:

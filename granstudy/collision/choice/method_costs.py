@@ -1,7 +1,7 @@
 """What an evaluation of Q costs by each method that has an operator (`granstudy.collision.choice.cost`)."""
 
 import math
-from functools import cache
+from functools import cache, lru_cache
 
 from granstudy.collision.carleman.scenes import product_count
 from granstudy.collision.choice.cost import (
@@ -10,11 +10,16 @@ from granstudy.collision.choice.cost import (
     MethodCost,
     TransformTimes,
 )
+from granstudy.collision.fast.adaptive.aliasing import resolving_grids
+from granstudy.collision.fast.adaptive.search import RESOLVED
 from granstudy.collision.fourier.spectra import serial_transforms
+from granstudy.collision.radial.operator import tensor_name
 from granstudy.collision.rules import directions, reduce_directions
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver
 from granstudy.quadrature import circle_rule, sphere_rule
+from granstudy.support.cache import is_kept
+from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.symmetry import Symmetry
 
 SECONDS_PER_PAIR = 6.0e-9
@@ -48,13 +53,29 @@ SINGLE_FACTOR = 0.75
 SECONDS_PER_SERIES = 8.5e-4
 """Seconds of the series of one shell and one |k|, which `fast` needs for a restitution law."""
 
-PLANNING_EVALUATIONS = 40
+WHOLE_TRANSFORMS = 6
+"""Transforms on the grid of f, and passes that take as long, where products are on a smaller one."""
+
+PLANNED_N = {2: 30, 3: 32}
+"""Points a dimension of the products of densities that `NODES_PER_DIGIT2` fits; a density that needs more
+points needs more nodes, as many more as points."""
+
+PLANNING_EVALUATIONS = 25
 """Time of choosing a quadrature for a tolerance, in evaluations with that quadrature."""
+
+PLANNING_SECONDS, PLANNING_SECONDS_PER_POINT = 0.08, 4.0e-7
+"""Further seconds of it: whatever the density; for each point of the products and each squared digit."""
+
+LARGEST_LOOK = 2**21
+"""Most points of a grid on which a density is looked at for an estimate."""
+
+PLANNED_SHELLS = 36
+"""Shells of all operators that choosing a quadrature makes; each has its series for a restitution law."""
 
 PLANNING_MEMORY = 150
 """Numbers for each grid point that choosing a quadrature keeps: the parts of all shells, rule by rule."""
 
-SECONDS_PER_WEIGHT = 1.8e-7
+SECONDS_PER_WEIGHT = 6.4e-8
 """Seconds of one node of the integrals in the tensor of `radial`."""
 
 SECONDS_PER_TERM = 2.0e-10
@@ -140,7 +161,25 @@ def _fast_nodes(scene: Scene, solver: SizedSolver) -> int:
         assert solver.N_rho is not None
         return solver.N_rho * _reduced_count(scene, solver)
     pairs = NODES_PER_DIGIT2[scene.dim] * math.log10(1.0 / solver.rtol) ** 2
+    pairs *= max(1.0, _fast_points(scene, solver) / PLANNED_N[scene.dim]) ** scene.dim
     return math.ceil(pairs / len(scene.symmetry) ** ORBIT_POWER)
+
+
+def _fast_points(scene: Scene, solver: SizedSolver) -> int:
+    """Points of the products; for a tolerance, those of the smallest grid that resolves the density."""
+    if solver.rtol is None or solver.dealias or solver.N**scene.dim > LARGEST_LOOK:
+        return solver.product_points
+    try:
+        return _resolving(scene, solver.N, solver.R, solver.rtol)
+    except (TypeError, ValueError):  # densities that cannot be compared are not remembered
+        return _resolving.__wrapped__(scene, solver.N, solver.R, solver.rtol)
+
+
+@lru_cache(maxsize=1000)
+def _resolving(scene: Scene, N: int, R: float, rtol: float) -> int:
+    grid = VelocityGrid(scene.dim, N, R)
+    n, _ = next(resolving_grids(grid, scene.density(grid), RESOLVED * rtol))
+    return n
 
 
 def _reduced_count(scene: Scene, solver: SizedSolver) -> int:
@@ -165,26 +204,35 @@ def _reduced_sphere(
 
 
 def _fast_seconds(scene: Scene, solver: SizedSolver, transforms: int, n: int) -> float:
-    seconds = TransformTimes(1.5e-10, 5.0e-7).seconds(scene, solver, transforms, n)
+    times = TransformTimes(1.5e-10, 5.0e-7)
+    seconds = times.seconds(scene, solver, transforms, n)
+    if n < solver.N:  # f and Q are on the whole grid
+        seconds += times.seconds(scene, solver, WHOLE_TRANSFORMS, solver.N)
     factor = SERIES_FACTOR[scene.dim] if callable(scene.restitution) else 1.0
     factor *= SINGLE_FACTOR if solver.precision == "single" else 1.0
     return SECONDS_PER_CALL + factor * (seconds - SECONDS_PER_CALL)
 
 
 def _fast_setup(scene: Scene, solver: SizedSolver, each: float) -> float:
+    shells = solver.N_rho or 0
+    seconds = SETUP_SECONDS
     if solver.rtol is not None:
-        return SETUP_SECONDS + PLANNING_EVALUATIONS * each
+        n = _fast_points(scene, solver)
+        whole = _fast_seconds(scene, solver, FAST.transforms(scene, solver), solver.N)
+        seconds += PLANNING_EVALUATIONS * each + (2.0 * whole if n < solver.N else 0.0)
+        digits = math.log10(1.0 / solver.rtol)
+        seconds += PLANNING_SECONDS + PLANNING_SECONDS_PER_POINT * digits**2 * n**scene.dim
+        shells = PLANNED_SHELLS
     if not callable(scene.restitution):
-        return SETUP_SECONDS
-    assert solver.N_rho is not None
-    return SETUP_SECONDS + solver.N_rho * SHELLS[scene.dim] * solver.N**2 * SECONDS_PER_SERIES
+        return seconds
+    return seconds + shells * SHELLS[scene.dim] * solver.N**2 * SECONDS_PER_SERIES
 
 
 def _fast_numbers(scene: Scene, solver: SizedSolver, transforms: int) -> float:
     points = _grid_points(scene, solver)
     numbers = 40.0 * points + NUMBERS_PER_NODE * _fast_nodes(scene, solver)
     if solver.rtol is not None:
-        return numbers + PLANNING_MEMORY * points
+        return numbers + PLANNING_MEMORY * _fast_points(scene, solver) ** scene.dim
     if callable(scene.restitution):
         assert solver.N_rho is not None
         phase = math.pi * math.sqrt(scene.dim) / 2 * solver.N * solver.R / solver.grid(scene.dim).L
@@ -202,18 +250,20 @@ FAST = MethodCost(
     numbers=_fast_numbers,
     efficiency=0.7,
     exact=lambda solver: solver.rtol is None,
+    points=_fast_points,
 )
 
 # radial: a bilinear form, its tensor computed once
 
 
-def _radial_setup(scene: Scene, solver: SizedSolver, each: float) -> float:
-    """Seconds of the tensor: N²/2 pairs of modes, about 24 + N angles, 24 + 4N/3 shells.
-
-    A tensor in the cache takes none of it.
-    """
+def _tensor(scene: Scene, solver: SizedSolver) -> tuple[tuple[str, float], ...]:
+    """The tensor where none is in the cache: N²/2 pairs of modes, about 24 + N angles, 24 + 4N/3 shells."""
+    assert not callable(scene.restitution)
+    name = tensor_name(scene.dim, solver.N, float(scene.kernel.exponent), float(scene.restitution))
+    if is_kept(name):
+        return ()
     nodes = solver.N**2 / 2 * (24 + solver.N) * (24 + 4 * solver.N / 3)
-    return SETUP_SECONDS + nodes * SECONDS_PER_WEIGHT
+    return ((name, nodes * SECONDS_PER_WEIGHT),)
 
 
 RADIAL = MethodCost(
@@ -222,9 +272,10 @@ RADIAL = MethodCost(
     seconds=lambda scene, solver, transforms, n: (
         SECONDS_PER_RADIAL_CALL + solver.N**3 * SECONDS_PER_TERM
     ),
-    setup=_radial_setup,
+    setup=lambda scene, solver, each: SETUP_SECONDS,
     numbers=lambda scene, solver, transforms: 20 * solver.N**3,
     efficiency=0.0,
+    kept=_tensor,
 )
 
 # carleman: products of filtered densities, two transforms for each product of a pair of directions

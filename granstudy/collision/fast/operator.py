@@ -13,6 +13,7 @@ weight w_r/|H|. The fast sum without H differs from it by aliasing alone: each p
 of its two nodes there, at the images of r here.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Any
 
@@ -33,12 +34,9 @@ from granstudy.quadrature import half
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.symmetry import Symmetry
 
-MakeGain = Callable[[Scene, SizedSolver, VelocityGrid, Nodes], Gain]
-"""Makes the sum over nodes, on the CPU (`gain_sum`) or on another device."""
 
-
-class NodalOperator:
-    """Q(f,f) for real f by a sum over given nodes.
+class GainLossOperator(ABC):
+    """Q(f,f) for real f: the gain as a sum over given nodes, the loss as one convolution, symmetrised.
 
     Parameters
     ----------
@@ -48,21 +46,13 @@ class NodalOperator:
         are formed as well.
     group : Symmetry
         Group under which the sum is symmetrised. Densities must have this symmetry.
-    loss : ndarray, shape (N, N', N/2+1)
-        G⁻ on the half spectrum of ``grid``.
     """
 
-    def __init__(self, grid: VelocityGrid, gain: Gain, group: Symmetry, loss: np.ndarray) -> None:
+    def __init__(self, grid: VelocityGrid, gain: Gain, group: Symmetry) -> None:
         self.grid = grid
         self.gain = gain
         self.group = group
         self._one_at_a_time = OneAtATime()
-        self._loss = np.ascontiguousarray(loss, dtype=np.float64)
-        self._shape = grid.three_axis_shape
-        self._f_hat = np.empty(loss.shape, dtype=np.complex128)
-        self._single = RealTransforms(self._shape)
-        self._lost = RealTransforms(self._shape)
-        self._inner = self._single if gain.grid == grid else RealTransforms(gain.shape)
         self.transforms = gain.transforms + serial_transforms(grid.N, gain.grid.N)
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
@@ -72,12 +62,62 @@ class NodalOperator:
             raise ValueError(f"density has type {f.dtype}: method 'fast' takes real densities")
         self.group.spot_check(f, "the density")
         with self._one_at_a_time:
-            Q = self._evaluate(np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape))
+            Q = self._collide(self._wide(f))
         # The loss has the symmetry already. Symmetrised with the gain, its round-off has it too.
         return self.group.symmetrise(Q.reshape(self.grid.shape), in_place=True)
 
-    def _evaluate(self, f: np.ndarray) -> np.ndarray:
-        """Q(f,f) before it is symmetrised."""
+    def loss(self, f: np.ndarray) -> np.ndarray:
+        """Q⁻(f,f) alone."""
+        with self._one_at_a_time:
+            return self._lose(self._wide(f)).reshape(f.shape)
+
+    @property
+    def fftw_wisdom(self) -> str:
+        """Hash of the wisdom that FFTW planned with; "" where it had none, or plans nothing."""
+        return ""
+
+    @abstractmethod
+    def transform(self) -> None:
+        """Make the transforms of one call on the same threads or device and nothing else, for benchmarks."""
+
+    @abstractmethod
+    def _collide(self, f: np.ndarray) -> np.ndarray:
+        """Q(f,f) before it is symmetrised, of a density (N, N', N)."""
+
+    @abstractmethod
+    def _lose(self, f: np.ndarray) -> np.ndarray:
+        """Q⁻(f,f) of a density (N, N', N)."""
+
+    def _wide(self, f: np.ndarray) -> np.ndarray:
+        return np.ascontiguousarray(f, dtype=np.float64).reshape(self.grid.three_axis_shape)
+
+
+MakeOperator = Callable[
+    [Scene, SizedSolver, VelocityGrid, Nodes, Symmetry, np.ndarray], GainLossOperator
+]
+"""Makes the operator of a scene and a solver, on the CPU (`nodal_operator`) or on another device. Further
+arguments: the grid of the products, the nodes, the group, and G⁻ on the half spectrum."""
+
+
+class NodalOperator(GainLossOperator):
+    """Q(f,f) for real f by a sum over given nodes, on threads.
+
+    Parameters
+    ----------
+    loss : ndarray, shape (N, N', N/2+1)
+        G⁻ on the half spectrum of ``grid``.
+    """
+
+    def __init__(self, grid: VelocityGrid, gain: Gain, group: Symmetry, loss: np.ndarray) -> None:
+        super().__init__(grid, gain, group)
+        self._loss = np.ascontiguousarray(loss, dtype=np.float64)
+        shape = grid.three_axis_shape
+        self._f_hat = np.empty(loss.shape, dtype=np.complex128)
+        self._single = RealTransforms(shape)
+        self._lost = RealTransforms(shape)
+        self._inner = self._single if gain.grid == grid else RealTransforms(gain.shape)
+
+    def _collide(self, f: np.ndarray) -> np.ndarray:
         f_hat = self._spectrum(f)
         if self.gain.grid.N > self.grid.N:
             return self._single.backward(self._padded_spectrum(f_hat))
@@ -89,12 +129,9 @@ class NodalOperator:
         loops.subtract_loss(self._single.rows, f.reshape(rows), self._lost.rows, Q.reshape(rows))
         return Q
 
-    def loss(self, f: np.ndarray) -> np.ndarray:
-        """Q⁻(f,f) alone."""
-        wide = np.ascontiguousarray(f, dtype=np.float64).reshape(self._shape)
-        with self._one_at_a_time:
-            self._filter_loss(self._spectrum(wide))
-            return (wide * self._lost.density).reshape(f.shape)
+    def _lose(self, f: np.ndarray) -> np.ndarray:
+        self._filter_loss(self._spectrum(f))
+        return np.asarray(f * self._lost.density)
 
     def transform(self) -> None:
         """Make the transforms of one call on the same threads and nothing else, for benchmarks."""
@@ -149,14 +186,22 @@ class NodalOperator:
         return resize(self.gain.total(f_n, f_hat_n) - lost / f_n.size, self.grid.N)
 
 
-def gain_sum(scene: Scene, solver: SizedSolver, grid: VelocityGrid, nodes: Nodes) -> GainSum:
-    """The sum over ``nodes`` on the CPU, on the solver's threads and in its precision."""
-    return GainSum(scene, grid, nodes, solver.thread_count, precision=solver.precision)
+def nodal_operator(
+    scene: Scene,
+    solver: SizedSolver,
+    products: VelocityGrid,
+    nodes: Nodes,
+    group: Symmetry,
+    loss: np.ndarray,
+) -> NodalOperator:
+    """The operator of given nodes on the CPU, on the solver's threads and in its precision."""
+    gain = GainSum(scene, products, nodes, solver.thread_count, precision=solver.precision)
+    return NodalOperator(solver.grid(scene.dim), gain, group, loss)
 
 
 def fast_operator(
-    scene: Scene, solver: SizedSolver, make_gain: MakeGain = gain_sum
-) -> NodalOperator:
+    scene: Scene, solver: SizedSolver, make: MakeOperator = nodal_operator
+) -> GainLossOperator:
     """The operator with the solver's rule: N_rho shells, each with the same directions."""
     grid = solver.grid(scene.dim)
     radial, rule = radial_nodes(scene, solver), directions(scene, solver)
@@ -167,8 +212,7 @@ def fast_operator(
     else:
         loss = nodal_loss(grid, place_nodes(scene, grid, radial, [half(rule)] * len(radial)))
     products = VelocityGrid(scene.dim, solver.product_points, solver.R)
-    gain = make_gain(scene, solver, products, nodes)
-    return NodalOperator(grid, gain, group, spectrum_axes(grid, loss))
+    return make(scene, solver, products, nodes, group, spectrum_axes(grid, loss))
 
 
 def nodal_loss(grid: VelocityGrid, nodes: Nodes) -> np.ndarray:

@@ -42,15 +42,26 @@ def resize(f_hat: np.ndarray, n: int) -> np.ndarray:
     N, ny, _ = f_hat.shape
     if n == N:
         return f_hat
+    half, turn = min(n, N) // 2, turns(N, n)
+    out = np.zeros((n, n if ny > 1 else 1, n // 2 + 1), dtype=np.complex128)
+    signs = paired_modes(N, n)
+    for x, y in itertools.product(signs, signs if ny > 1 else [slice(1)]):
+        by = turn[x, None, None] * turn[:half] * (turn[y, None] if ny > 1 else 1.0)
+        np.multiply(f_hat[x, y, :half], by, out=out[x, y, :half])
+    return out
+
+
+def paired_modes(N: int, n: int) -> tuple[slice, slice]:
+    """Places of the modes |k_i| < min(n, N)/2 along an axis, k_i ≥ 0 and k_i < 0, on either grid."""
+    half = min(n, N) // 2
+    return slice(half), slice(1 - half, None)
+
+
+def turns(N: int, n: int) -> np.ndarray:
+    """e^{iπk(1/n − 1/N)} of the modes that grids of N and n points share, k ≥ 0 first."""
     half = min(n, N) // 2
     k = np.concatenate([np.arange(half), np.arange(-half + 1, 0)])
-    turn = np.exp(1j * np.pi * k * (1 / n - 1 / N))
-    out = np.zeros((n, n if ny > 1 else 1, n // 2 + 1), dtype=np.complex128)
-    signs = slice(half), slice(1 - half, None)
-    for x, y in itertools.product(signs, signs if ny > 1 else [slice(1)]):
-        turns = turn[x, None, None] * turn[:half] * (turn[y, None] if ny > 1 else 1.0)
-        np.multiply(f_hat[x, y, :half], turns, out=out[x, y, :half])
-    return out
+    return np.exp(1j * np.pi * k * (1 / n - 1 / N))
 
 
 def serial_transforms(N: int, n: int) -> int:

@@ -4,9 +4,12 @@ The formulas, with their derivation, are in docs/method.md §7.
 """
 
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 
 import numpy as np
+from scipy.special import roots_legendre
 
+from granstudy.collision.radial.interpolation import POINTS, SPACING, averaged_weights
 from granstudy.collision.weights import alpha
 from granstudy.quadrature import radial_rule
 from granstudy.velocity.radial import RadialGrid
@@ -14,6 +17,9 @@ from granstudy.velocity.sphere import sphere_area, sphere_mean
 
 SPARE_NODES = 24
 """Quadrature nodes beyond those that resolve an oscillation; from there on rules converge at once."""
+
+ROUND = 8
+"""Rules of the angle have a multiple of so many nodes, so that neighbouring modes share one."""
 
 
 def unit_tensor(
@@ -50,43 +56,51 @@ def mode_tensor(
     l and m are two wavevectors of lengths k_n and k_m, μ is the cosine of their angle, k = |l+m|. With the
     weight G = G⁺ − G⁻ of docs/method.md §2,
 
-        q_nm(r) = ⟨G(l,m) M(k r)⟩_μ,
-        G⁺ = |S|² ∫_0^R ρ^{d−1+λ} M(αkρ) M(|m−α(l+m)|ρ) dρ,   G⁻ = |S|² ∫_0^R ρ^{d−1+λ} M(|m|ρ) dρ,
+        q_nm(r) = ⟨G(l,m) M(k r)⟩_μ,   G⁺ = H(αk, |m−α(l+m)|),   G⁻ = H(0, |m|),
+        H(a, b) = |S|² ∫_0^R ρ^{d−1+λ} M(aρ) M(bρ) dρ,
         k² = l²+m²+2lmμ,   |m−α(l+m)|² = (1−α)m² + αl² − α(1−α)k².
+
+    H does not depend on e. H and M(k r) are interpolated on tables (`.interpolation`).
 
     Shape (N, N, N).
     """
+    H, waves = shell_table(grid, exponent), wave_table(grid)
+    loss, k, a = loss_values(grid, exponent), grid.wavenumbers, float(alpha(restitution))
     C = np.empty((grid.N, grid.N, grid.N))
 
     def fill(n: int) -> None:
-        C[n, n:] = C[n:, n] = mode_products(grid, n, exponent, restitution)
+        mu, w = angle_rule(grid, n)
+        weights = averaged_weights(k, n, a, mu, w, H, loss, grid.R, grid.L, len(waves))
+        C[n, n:] = C[n:, n] = weights @ waves
 
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(fill, range(grid.N)))
     return C
 
 
-def mode_products(grid: RadialGrid, n: int, exponent: float, restitution: float) -> np.ndarray:
-    """½[q_nm + q_mn](r_i) for mode n and all m ≥ n, shape (N−n, N)."""
-    a = float(alpha(restitution))
+def shell_table(grid: RadialGrid, exponent: float) -> np.ndarray:
+    """H(a, b) at a, b = (j − POINTS/2) SPACING/R, up to the largest wavenumber and what a stencil needs."""
     p, w_p = shell_rule(grid, exponent)
-    mu, w_mu = angle_rule(grid, n)
-    l, m = grid.wavenumbers[n], grid.wavenumbers[n:, None]  # noqa: E741
-    k2 = l**2 + m**2 + 2.0 * l * m * mu  # (m, μ)
-    k = np.sqrt(np.maximum(k2, 0.0))
-    shift = a * (1.0 - a) * k2
-    # |m−α(l+m)| and, with the two modes exchanged, |l−α(l+m)|.
-    s_m = np.sqrt(np.maximum((1.0 - a) * m**2 + a * l**2 - shift, 0.0))
-    s_l = np.sqrt(np.maximum((1.0 - a) * l**2 + a * m**2 - shift, 0.0))
+    M = sphere_mean(grid.dim, np.multiply.outer(_stencilled(grid.wavenumbers[-1], 1.0 / grid.R), p))
+    return np.ascontiguousarray((M * w_p) @ M.T)
 
-    def mean(x: np.ndarray) -> np.ndarray:
-        return sphere_mean(grid.dim, np.multiply.outer(x, p))
 
-    gain = (mean(a * k) * (mean(s_m) + mean(s_l))) @ w_p
-    loss = (mean(m) + mean(l)) @ w_p
-    G = 0.5 * (gain - loss) * w_mu
-    waves = sphere_mean(grid.dim, np.multiply.outer(k, grid.nodes))  # (m, μ, i)
-    return np.einsum("mu,mui->mi", G, waves)
+def wave_table(grid: RadialGrid) -> np.ndarray:
+    """M(k r_i) at k = (j − POINTS/2) SPACING/L, up to twice the largest wavenumber."""
+    k = _stencilled(2.0 * grid.wavenumbers[-1], 1.0 / grid.L)
+    return sphere_mean(grid.dim, np.multiply.outer(k, grid.nodes))
+
+
+def loss_values(grid: RadialGrid, exponent: float) -> np.ndarray:
+    """H(0, k_m) of every mode."""
+    p, w_p = shell_rule(grid, exponent)
+    return sphere_mean(grid.dim, np.multiply.outer(grid.wavenumbers, p)) @ w_p
+
+
+def _stencilled(largest: float, unit: float) -> np.ndarray:
+    """Equally spaced arguments from −POINTS/2 steps on to beyond ``largest``. H and M are even."""
+    count = int(largest / (SPACING * unit)) + POINTS + 2
+    return SPACING * unit * (np.arange(count) - POINTS // 2)
 
 
 def shell_rule(grid: RadialGrid, exponent: float) -> tuple[np.ndarray, np.ndarray]:
@@ -108,8 +122,13 @@ def angle_rule(grid: RadialGrid, n: int) -> tuple[np.ndarray, np.ndarray]:
     rk + R(αk + |m−α(l+m)|) changes by at most (L + R) k_n. Gauss rules need half as many nodes.
     """
     count = SPARE_NODES + int(0.5 * (grid.L + grid.R) * grid.wavenumbers[n] * 1.1)
-    if grid.dim == 3:
-        mu, w = np.polynomial.legendre.leggauss(count)
+    return _mean_over_angles(grid.dim, -(-count // ROUND) * ROUND)
+
+
+@cache
+def _mean_over_angles(dim: int, count: int) -> tuple[np.ndarray, np.ndarray]:
+    if dim == 3:
+        mu, w = roots_legendre(count)
         return mu, w / 2.0
     mu = np.cos(np.pi * (np.arange(count) + 0.5) / count)
     return mu, np.full(count, 1.0 / count)

@@ -5,16 +5,25 @@ from typing import Annotated, Any
 
 from pydantic import Field, ValidationError, field_validator, model_validator
 
-from granstudy.study.schema.experiment import Experiment
+from granstudy.study.schema.experiment import Experiment, StateExperiment
 from granstudy.study.schema.generated import Section
 from granstudy.study.schema.mistakes import explain
 from granstudy.study.schema.names import check_experiment_names, check_study_name
 from granstudy.study.schema.reading import read_yaml
 from granstudy.study.schema.values import shown
 
+ATLAS_OVER = ("e", "exponent")
+"""What the states of an atlas sweep."""
+
 
 class MapModel(Section):
     """A table and a figure of all experiments that have a truth: errors and labels."""
+
+    title: str
+
+
+class AtlasModel(Section):
+    """One dataset of all states to an accuracy, over e, λ, the dimension and the state, and its maps."""
 
     title: str
 
@@ -25,6 +34,7 @@ class StudyFile(Section):
     title: str
     experiments: Annotated[dict[str, Experiment], Field(min_length=1)]
     map: MapModel | None = None
+    atlas: AtlasModel | None = None
 
     @field_validator("experiments", mode="before")
     @classmethod
@@ -37,12 +47,37 @@ class StudyFile(Section):
     def _fits_together(self) -> "StudyFile":
         if self.map is not None and not self.with_truth:
             raise ValueError("map: shows experiments with a truth, and there is none")
+        if self.atlas is not None:
+            self._check_atlas()
         return self
+
+    def _check_atlas(self) -> None:
+        """Raise ValueError unless there are states to an accuracy, each swept over e and λ alone."""
+        if not self.with_states:
+            raise ValueError(
+                "atlas: shows experiments of states with an accuracy, and there is none"
+            )
+        for name in self.with_states:
+            for block in self.experiments[name].sweep:
+                if set(block) != set(ATLAS_OVER):
+                    raise ValueError(
+                        f"atlas: experiment {name} sweeps {', '.join(block)}; states of an atlas sweep "
+                        f"{' and '.join(ATLAS_OVER)}, and nothing else"
+                    )
 
     @property
     def with_truth(self) -> list[str]:
         """Names of the experiments whose runs are held against a truth."""
         return [name for name, experiment in self.experiments.items() if experiment.has_truth]
+
+    @property
+    def with_states(self) -> list[str]:
+        """Names of the experiments whose runs are states to an accuracy."""
+        return [
+            name
+            for name, experiment in self.experiments.items()
+            if isinstance(experiment, StateExperiment) and experiment.accuracy is not None
+        ]
 
 
 def read_study_file(path: str | Path) -> StudyFile:

@@ -9,7 +9,10 @@ from granstudy.study.schema.values import shown
 MAP = "map"
 """What the files of a study's map are called; no experiment can have that name."""
 
-TAKEN = (MAP, "reference")
+ATLAS = "atlas"
+"""What the files of a study's atlas are called; no experiment can have that name."""
+
+TAKEN = (MAP, ATLAS, "reference")
 """Names of other things that lie beside experiments and their runs."""
 
 LONGEST = 64

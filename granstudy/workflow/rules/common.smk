@@ -6,7 +6,7 @@ from snakemake_logger_plugin_granstudy import interrupt, locks, overview
 
 from granstudy.study.jobs import Job
 from granstudy.study.layout import Layout
-from granstudy.study.schema.names import MAP
+from granstudy.study.schema.names import ATLAS, MAP
 from granstudy.study.state import check_owner, prepare
 from granstudy.study.study import load_study, read_study
 from granstudy.support.fingerprint import fingerprint
@@ -74,8 +74,9 @@ def each_attempt_more(amount):
 
 
 def report_labels(name):
-    """What Snakemake's report calls an experiment, or the map."""
-    titled = STUDY.model.map if name == MAP else STUDY.model.experiments[name]
+    """What Snakemake's report calls an experiment, the map, or the atlas."""
+    joint = {MAP: STUDY.model.map, ATLAS: STUDY.model.atlas}
+    titled = joint[name] if name in joint else STUDY.model.experiments[name]
     return {"experiment": name, "title": titled.title if titled else ""}
 
 
@@ -87,11 +88,12 @@ localrules:
     table,
     figure,
     map,
+    atlas,
     notebook,
     notebooks,
     page,
 
 
-# The map's files lie beside those of experiments, none of which has its name.
+# The files of map and atlas lie beside those of experiments, none of which has such a name.
 wildcard_constraints:
-    experiment=rf"(?!{MAP}\.)[^/]+",
+    experiment=rf"(?!{MAP}\.|{ATLAS}\.)[^/]+",

@@ -20,7 +20,7 @@ import granstudy as gs
 from granstudy.collision.carleman import operator as carleman
 from granstudy.collision.fast import gain
 from granstudy.collision.fast import operator as fast
-from granstudy.collision.fast.operator import fast_operator, gain_sum
+from granstudy.collision.fast.operator import fast_operator, nodal_operator
 from granstudy.collision.fourier import transforms
 from granstudy.velocity.symmetry import apply
 
@@ -205,8 +205,8 @@ def counted(monkeypatch):
 
 def on_points(n):
     """The maker of a sum with its products on n points a dimension."""
-    return lambda scene, solver, grid, nodes: gain_sum(
-        scene, solver, gs.VelocityGrid(grid.dim, n, grid.R), nodes
+    return lambda scene, solver, grid, *sums: nodal_operator(
+        scene, solver, gs.VelocityGrid(grid.dim, n, grid.R), *sums
     )
 
 

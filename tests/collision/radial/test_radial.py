@@ -9,6 +9,7 @@ from granstudy import theory
 from granstudy.collision.radial import operator as radial
 from granstudy.collision.radial import tensor as radial_tensor
 from granstudy.reading.cooling import fit_haff
+from granstudy.velocity.sphere import sphere_mean
 
 
 class Isotropic:
@@ -225,3 +226,41 @@ def test_the_tensors_name_holds_all_that_it_depends_on(monkeypatch):
             assert radial.tensor_name(*point) not in names
     radial._code.cache_clear()
     assert radial.tensor_name(*point) in names
+
+
+@pytest.mark.parametrize(("dim", "e", "exponent"), [(2, 0.0, 0.3), (3, 0.7, 1.0), (2, 1.0, 0.0)])
+def test_weights_on_tables_are_those_of_the_quadrature(dim, e, exponent):
+    """C[n, m, i] by sums over the rules themselves, where `mode_tensor` interpolates."""
+    grid = gs.RadialGrid(dim, 16, 1.0)
+    C = radial_tensor.mode_tensor(grid, exponent, e)
+    p, w_p = radial_tensor.shell_rule(grid, exponent)
+    a = (1.0 + e) / 4.0
+
+    def H(x, y):
+        M = [sphere_mean(dim, np.multiply.outer(z, p)) for z in np.broadcast_arrays(x, y)]
+        return (M[0] * M[1]) @ w_p
+
+    for n, m in ((0, 0), (3, 3), (2, 15), (15, 15)):
+        mu, w = radial_tensor.angle_rule(grid, n)
+        l, k_m = grid.wavenumbers[[n, m]]  # noqa: E741
+        k2 = np.maximum(l**2 + k_m**2 + 2 * l * k_m * mu, 0.0)
+        G = -H(0.0, l) - H(0.0, k_m)
+        for x, y in ((l, k_m), (k_m, l)):
+            rest = (1 - a) * y**2 + a * x**2 - a * (1 - a) * k2
+            G = G + H(a * np.sqrt(k2), np.sqrt(np.maximum(rest, 0.0)))
+        waves = sphere_mean(dim, np.multiply.outer(np.sqrt(k2), grid.nodes))
+        assert_near(C[n, m], 0.5 * (w * G) @ waves, 1e-13)
+
+
+def test_its_derivative_is_that_of_the_form():
+    operator = gs.collision_operator(random_scene(3, 5), gs.Solver(N=12, R=7.0, method="radial"))
+    f, h = np.random.default_rng(1).uniform(size=(2, 12))
+    expected = operator(f + h) - operator(f - h)
+    assert_near(2.0 * operator.derivative(f) @ h, expected, 1e-12)
+
+
+def test_large_tensors_are_not_kept(monkeypatch):
+    monkeypatch.setattr(radial, "LARGEST_KEPT", 9)
+    monkeypatch.setattr(radial, "cached_array", None)
+    Q = evaluate(random_scene(3, 5), N=10, R=7.0, method="radial")
+    assert Q.shape == (10,)

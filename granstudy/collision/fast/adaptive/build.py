@@ -7,10 +7,10 @@ import numpy as np
 from granstudy.collision.fast.adaptive.plan import QuadraturePlan
 from granstudy.collision.fast.nodes import place_nodes
 from granstudy.collision.fast.operator import (
-    MakeGain,
-    NodalOperator,
-    gain_sum,
+    GainLossOperator,
+    MakeOperator,
     nodal_loss,
+    nodal_operator,
     spectrum_axes,
 )
 from granstudy.collision.fourier.spectra import serial_transforms
@@ -35,8 +35,11 @@ def shell_radii(scene: Scene, solver: SizedSolver, N_rho: int) -> Rule:
 
 
 def planned_operator(
-    scene: Scene, solver: SizedSolver, plan: QuadraturePlan, make_gain: MakeGain = gain_sum
-) -> NodalOperator:
+    scene: Scene,
+    solver: SizedSolver,
+    plan: QuadraturePlan,
+    make: MakeOperator = nodal_operator,
+) -> GainLossOperator:
     """The operator with the quadrature of a plan, on the solver's grid.
 
     In the variant ``separate`` the loss is integrated by a radial rule that has converged, at no cost.
@@ -54,8 +57,7 @@ def planned_operator(
     products = VelocityGrid(scene.dim, plan.n, solver.R)
     reduced = [None if step is None else step.reduced for step in steps]
     nodes = place_nodes(scene, products, radial, reduced)
-    gain = make_gain(scene, solver, products, nodes)
-    return NodalOperator(grid, gain, rules.group, spectrum_axes(grid, loss))
+    return make(scene, solver, products, nodes, rules.group, spectrum_axes(grid, loss))
 
 
 def describe_plan(scene: Scene, solver: SizedSolver, levels: list[int | None]) -> QuadraturePlan:

@@ -3,7 +3,7 @@
 import numpy as np
 import scipy.fft
 
-from granstudy.collision.fast.operator import NodalOperator
+from granstudy.collision.fast.operator import GainLossOperator
 from granstudy.collision.fourier.spectra import long_axes, unaliased
 from granstudy.velocity.cartesian import VelocityGrid
 
@@ -21,7 +21,7 @@ EQUILIBRIUM = 0.01
 loss do not."""
 
 
-def quadrature_error(operator: NodalOperator, finer: NodalOperator, f: np.ndarray) -> float:
+def quadrature_error(operator: GainLossOperator, finer: GainLossOperator, f: np.ndarray) -> float:
     """The error of Q(f,f) at a density, by a finer operator: the number that a tolerance bounds."""
     Q = finer(f)
     return ErrorScale(operator.grid, Q, magnitude(finer, f, Q)).error(operator(f) - Q)
@@ -89,7 +89,7 @@ def _spread(grid: VelocityGrid) -> slice | np.ndarray:
     return np.sort(np.random.default_rng(0).choice(count, SAMPLES, replace=False))
 
 
-def magnitude(operator: NodalOperator, f: np.ndarray, Q: np.ndarray) -> float:
+def magnitude(operator: GainLossOperator, f: np.ndarray, Q: np.ndarray) -> float:
     """Scale of Q: max|Q|, and at least `EQUILIBRIUM` times max|Q⁻|."""
     return float(max(np.max(np.abs(Q)), EQUILIBRIUM * np.max(np.abs(operator.loss(f)))))
 

@@ -8,7 +8,7 @@ from granstudy.collision.fast.adaptive.build import planned_operator, refine
 from granstudy.collision.fast.adaptive.error import quadrature_error
 from granstudy.collision.fast.adaptive.plan import QuadraturePlan
 from granstudy.collision.fast.adaptive.search import make_plan
-from granstudy.collision.fast.operator import MakeGain, gain_sum
+from granstudy.collision.fast.operator import MakeOperator, nodal_operator
 from granstudy.collision.fourier.threads import OneAtATime
 from granstudy.model.scene import Scene
 from granstudy.model.solver import SizedSolver
@@ -33,14 +33,14 @@ class AdaptiveOperator:
         self,
         scene: Scene,
         solver: SizedSolver,
-        make_gain: MakeGain = gain_sum,
+        make: MakeOperator = nodal_operator,
         plan: QuadraturePlan | None = None,
     ) -> None:
         self._one_at_a_time = OneAtATime()
         self.scene = scene
         self.solver = solver
         self.grid = solver.grid(scene.dim)
-        self._make_gain = make_gain
+        self._make = make
         self._use(make_plan(scene, solver, scene.density(self.grid)) if plan is None else plan)
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
@@ -87,11 +87,11 @@ class AdaptiveOperator:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickled are the scene, the solver and the plan in use: nothing is chosen again."""
-        return type(self), (self.scene, self.solver, self._make_gain, self.plan)
+        return type(self), (self.scene, self.solver, self._make, self.plan)
 
     def _use(self, plan: QuadraturePlan) -> None:
         self.plan = plan
-        self.operator = planned_operator(self.scene, self.solver, plan, self._make_gain)
+        self.operator = planned_operator(self.scene, self.solver, plan, self._make)
         self.transforms = self.operator.transforms
         finer = refine(self.scene, self.solver, plan)
-        self._finer = planned_operator(self.scene, self.solver, finer, self._make_gain)
+        self._finer = planned_operator(self.scene, self.solver, finer, self._make)

@@ -5,6 +5,7 @@ The standard is at https://data-apis.org/array-api/latest. The same code runs on
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,8 @@ class Device:
         Makes a NumPy array of an array on the device, and waits until it has been computed.
     memory : int
         Free memory in bytes.
+    irfftn : callable, optional
+        The namespace's ``fft.irfftn``, which may also overwrite its argument. It then need not copy it.
     """
 
     name: str
@@ -35,6 +38,7 @@ class Device:
     place: Any
     fetch: Callable[[Any], np.ndarray]
     memory: int
+    irfftn: Callable[..., Any] | None = None
 
     def put(self, values: np.ndarray) -> Any:
         """An array on the device with the same values."""
@@ -50,6 +54,37 @@ def check_scene(scene: Scene) -> None:
         )
 
 
+def cupy_gpu() -> Device | None:
+    """The current GPU of CuPy, None where it finds none."""
+    import cupy  # isort: skip  # first, so that a missing CuPy is named in the error
+    import array_api_compat.cupy as xp
+    from cupyx.scipy.fft import irfftn
+
+    if not cupy.is_available():
+        return None
+    place = cupy.cuda.Device()
+    free, _ = place.mem_info
+    overwriting = partial(irfftn, overwrite_x=True)
+    return Device(f"CuPy, GPU {place.id}", xp, place, cupy.asnumpy, free, overwriting)
+
+
+def torch_gpu() -> Device | None:
+    """The current GPU of PyTorch, None where it finds none."""
+    import torch  # isort: skip  # first, as above
+    import array_api_compat.torch as xp
+
+    if not torch.cuda.is_available():
+        return None
+    free, _ = torch.cuda.mem_get_info()
+    return Device(
+        f"PyTorch, {torch.cuda.get_device_name()}", xp, "cuda", lambda a: a.cpu().numpy(), free
+    )
+
+
+LIBRARIES = {"CuPy": cupy_gpu, "PyTorch": torch_gpu}
+"""What finds a GPU with each library, the preferred one first."""
+
+
 def find_gpu() -> Device:
     """The current GPU of CuPy, or of PyTorch where CuPy has none.
 
@@ -59,7 +94,7 @@ def find_gpu() -> Device:
         If neither library is installed with a GPU.
     """
     missing = []
-    for library, find in (("CuPy", _cupy_gpu), ("PyTorch", _torch_gpu)):
+    for library, find in LIBRARIES.items():
         try:
             gpu = find()
         except ImportError as error:
@@ -70,27 +105,4 @@ def find_gpu() -> Device:
         missing.append(f"{library}: finds no GPU")
     raise ValueError(
         f"device='gpu': needs CuPy or PyTorch with a GPU ({'; '.join(missing)}); take device 'cpu'"
-    )
-
-
-def _cupy_gpu() -> Device | None:
-    import cupy  # isort: skip  # first, so that a missing CuPy is named in the error
-    import array_api_compat.cupy as xp
-
-    if not cupy.is_available():
-        return None
-    place = cupy.cuda.Device()
-    free, _ = place.mem_info
-    return Device(f"CuPy, GPU {place.id}", xp, place, cupy.asnumpy, free)
-
-
-def _torch_gpu() -> Device | None:
-    import torch  # isort: skip  # first, as above
-    import array_api_compat.torch as xp
-
-    if not torch.cuda.is_available():
-        return None
-    free, _ = torch.cuda.mem_get_info()
-    return Device(
-        f"PyTorch, {torch.cuda.get_device_name()}", xp, "cuda", lambda a: a.cpu().numpy(), free
     )

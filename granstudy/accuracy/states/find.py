@@ -1,57 +1,20 @@
 """Cooling and heated states to an accuracy: the grid is raised until the answer no longer changes."""
 
-import json
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from granstudy import theory
 from granstudy.accuracy.asked import Accuracy
-from granstudy.accuracy.dataset import trust_as_asked
 from granstudy.accuracy.simulate import Asked, accuracy_asked
-from granstudy.datasets.parameters import parameter
+from granstudy.accuracy.states.dataset import described
+from granstudy.accuracy.states.exact import EXACT_UP_TO, ExactState, has_exact_moments
+from granstudy.accuracy.states.ladder import LADDER, Found, measured, round_off_beyond
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.states.solve import FIND, check_state
+from granstudy.support.machine import one_blas_thread
 from granstudy.support.progress import Progress
-from granstudy.trust.flags import Status
-
-LADDER = (
-    (20, 8.0),
-    (24, 9.5),
-    (32, 11.0),
-    (40, 13.0),
-    (48, 15.0),
-    (64, 19.0),
-    (80, 24.0),
-    (96, 28.0),
-)
-"""Speeds, and R in units of √T, of the grids that are tried."""
-
-SAFETY = 2.0
-"""Factor on the change from one grid to the next."""
-
-BALANCED = 3.0
-"""Factor by which the error of a2 is below that of the balance of a state, at least (docs/states.md §2)."""
-
-SLOW = 0.5
-"""Ratio of a change to the one before, above which changes are taken to go on as a geometric series."""
-
-
-@dataclass(frozen=True)
-class Found:
-    """A state on one grid: relative errors of K and of T, and errors of a2 and a3, by the grid before."""
-
-    ds: xr.Dataset
-    temperature: float
-    a2: float
-    a3: float
-
-    def off(self, asked: Accuracy) -> float:
-        """The larger error over the one asked for."""
-        return max(self.temperature / asked.temperature, self.a2 / asked.a2)
 
 
 def cooling_state(
@@ -141,6 +104,7 @@ def _state(
     return FIND[state](scene, solver, *how)
 
 
+@one_blas_thread()
 def state_to(
     scene: Scene,
     asked: Accuracy,
@@ -150,17 +114,24 @@ def state_to(
     progress: Progress = None,
     threads: int | None = None,
 ) -> xr.Dataset:
-    """A state on the first grid of `LADDER` that agrees with the one before to the accuracy.
+    """A state on the first grid of `LADDER` whose errors, by the grids before, are at most those asked for.
+
+    K, T, a2 and a3 of Maxwell molecules are exact. Their grid is raised until its own numbers are as near to
+    them as is asked, at most up to `EXACT_UP_TO`.
 
     Returns
     -------
     xarray.Dataset
-        As of `granstudy.cooling_state`, with three variables more, and attributes as of a run to an accuracy
+        As of `granstudy.cooling_state`, with variables more, and attributes as of a run to an accuracy
         (`asked`, `reached`, ``choices``, `needed`):
 
         ==============================  ===================================================
         `cooling_coefficient_error`     estimated error of K (and of T, heated), relative
         `a2_error`, `a3_error`          estimated errors of a2 and a3
+        `tail_rate`, `.._error`         A of the tail exp(−A c^q), q as of `tail_slope`, from K; cooling
+                                        Maxwell molecules: s of the tail c^−s
+        `far_slope`, `.._error`         `tail_slope` at `far_speed`, the largest speed at which the last
+                                        two grids agree on it
         ==============================  ===================================================
 
     Raises
@@ -170,14 +141,21 @@ def state_to(
     """
     check_state(scene, Solver(N=LADDER[0][0], R=1.0, method="radial"), state == "heated")
     unit = _unit(scene)
-    found: list[Found] = []
+    states, grids = list[xr.Dataset](), list[Found]()
+    exact = None
     for N, R in LADDER:
         solver = Solver(N=N, R=R * unit, method="radial", threads=threads)
-        ds = FIND[state](scene, solver, tolerance, max_iterations, progress)
-        found.append(_measured(ds, found))
-        if found[-1].off(asked) <= 1.0:
+        states.append(FIND[state](scene, solver, tolerance, max_iterations, progress))
+        if has_exact_moments(scene):
+            exact = ExactState.of(scene, state, states[-1])
+        grids.append(measured(states) if exact is None else exact.on_grid(states[-1]))
+        enough = grids[-1].off(asked) <= 1.0 or (exact is not None and N >= EXACT_UP_TO)
+        if (enough and len(grids) > 1) or round_off_beyond(states[-1], R) > asked.a2:
             break
-    return _described(scene, asked, state, found)
+    if exact is None:  # the last grid is not the best where round-off is larger than what it gains
+        grids = grids[: 1 + min(range(len(grids)), key=lambda i: grids[i].off(asked))]
+    answer = grids[-1] if exact is None else exact.in_place(states[-1])
+    return described(scene, asked, state, answer, grids, unit)
 
 
 def _unit(scene: Scene) -> float:
@@ -189,83 +167,3 @@ def _unit(scene: Scene) -> float:
             "density"
         )
     return float(np.sqrt(stated.temperature))
-
-
-def _measured(ds: xr.Dataset, before: list[Found]) -> Found:
-    """A state's errors by the change from the grid before; 1 without one, or where no state was found."""
-    if not before or int(ds["status"]) != Status.OK or int(before[-1].ds["status"]) != Status.OK:
-        return Found(ds, 1.0, 1.0, 1.0)
-    last = before[-1]
-
-    def error(name: str, of_before: float, relative: bool = False) -> float:
-        change = abs(float(ds[name]) - float(last.ds[name]))
-        if relative:
-            change /= abs(float(ds[name]))
-        ratio = SAFETY * change / of_before if 0.0 < of_before < 1.0 else 0.0
-        if SLOW < ratio < 1.0:
-            return SAFETY * change * ratio / (1.0 - ratio)
-        return SAFETY * change if ratio < 1.0 else 1.0
-
-    coefficient = error("cooling_coefficient", last.temperature, relative=True)
-    temperature = error("temperature", last.temperature, relative=True)
-    a2 = max(error("a2", last.a2), float(ds["a2_error_estimate"]) / BALANCED)
-    return Found(ds, max(coefficient, temperature), a2, error("a3", last.a3))
-
-
-def _described(scene: Scene, asked: Accuracy, state: str, found: list[Found]) -> xr.Dataset:
-    """The last state, with its errors and what was tried."""
-    last = found[-1]
-    errors = {
-        "cooling_coefficient_error": (last.temperature, "estimated relative error of K and T"),
-        "a2_error": (last.a2, "estimated error of a2"),
-        "a3_error": (last.a3, "estimated error of a3"),
-    }
-    ds = last.ds.assign(
-        {
-            name: ((), value, {"long_name": text, "units": "1"})
-            for name, (value, text) in errors.items()
-        }
-    )
-    ds = ds.assign_coords(
-        {
-            name: ((), value, parameter(name).attributes)
-            for name, value in asked.coordinates().items()
-        }
-    )
-    choices = [
-        {
-            "N": int(one.ds["N"]),
-            "R": float(one.ds["R"]),
-            "a2": float(one.ds["a2"]),
-            "error": one.a2,
-        }
-        for one in found
-    ]
-    reached = {"temperature": last.temperature, "a2": last.a2}
-    attrs = {
-        "asked": json.dumps(asked.describe(), sort_keys=True),
-        "reached": json.dumps(reached, sort_keys=True),
-        "choices": json.dumps(choices, sort_keys=True),
-    }
-    off = last.off(asked)
-    if off > 1.0:
-        attrs["needed"] = _missing(scene, asked, state, last)
-    status = Status(int(ds["status"]))
-    ds["trust"] = trust_as_asked(off, status, attrs.get("needed", ""))
-    return ds.assign_attrs(attrs)
-
-
-def _missing(scene: Scene, asked: Accuracy, state: str, last: Found) -> str:
-    """Why a state missed its accuracy."""
-    N, R = LADDER[-1]
-    text = (
-        f"K and T were asked to {asked.temperature:.1e} and reached to {last.temperature:.1e}, a2 to "
-        f"{asked.a2:.1e} and {last.a2:.1e}, with N={N} and R={R:g} √T"
-    )
-    if state == "cooling" and scene.kernel.exponent == 0.0:
-        assert not callable(scene.restitution)
-        tail = theory.maxwell_tail_exponent(float(scene.restitution), scene.dim)
-        if tail <= scene.dim + 4:
-            return f"{text}; the tail falls like c^−{tail:.3g}, so that a2 does not exist"
-        return f"{text}; the tail falls like c^−{tail:.3g}, and a larger R gains slowly"
-    return text

@@ -1,0 +1,1 @@
+"""Cooling and heated states to an accuracy."""
