@@ -51,6 +51,12 @@ def made(request, tmp_path_factory):
     return Tabulated(tmp_path_factory.mktemp("study"), request.module.STUDY)
 
 
+@pytest.fixture
+def tabulated(tmp_path):
+    """A function that computes a study, given as its file's text."""
+    return lambda text: Tabulated(tmp_path, text)
+
+
 @pytest.fixture(scope="session")
 def table_of():
     """A function that makes a table out of rows of swept values, ours and the paper's."""

@@ -46,6 +46,10 @@ def truth_table(source: TableSource) -> xr.Dataset:
     truths: list[Truth] = []
     for run, file in rows:
         ds = read_dataset(file)
+        if "time" not in ds:  # it failed before its first output
+            for values in columns.values():
+                values.append(np.nan)
+            continue
         truth = truth_of(run, files, ds["time"].values)
         found = errors(ds, truth)
         columns["largest_temperature_error"].append(found.temperature)
@@ -58,7 +62,8 @@ def truth_table(source: TableSource) -> xr.Dataset:
     known = list(dict.fromkeys(map(_known, truths)))
     table = truth_columns(source, table, columns, known)
     uncertain = [(truth.temperature_uncertainty, truth.a2_uncertainty) for truth in truths]
-    table.attrs |= dict(zip(KNOWN_TO, map(max, zip(*uncertain, strict=True)), strict=True))
+    worst = np.max(np.reshape(uncertain, (-1, 2)), axis=0, initial=0.0)
+    table.attrs |= dict(zip(KNOWN_TO, worst.tolist(), strict=True))
     return table
 
 

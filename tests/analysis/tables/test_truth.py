@@ -3,13 +3,15 @@
 import numpy as np
 import pytest
 import xarray as xr
+from studies import replaced
 
 import granstudy as gs
 from granstudy import theory
 from granstudy.analysis.figures.figure import save_figure
 from granstudy.analysis.tables.map import label_map, write_map
+from granstudy.analysis.tables.markdown import markdown_table
 from granstudy.analysis.tables.table import write_table
-from granstudy.trust.flags import Trust
+from granstudy.trust.flags import Status, Trust
 from granstudy.trust.truth import maxwell_truth
 
 STUDY = """
@@ -144,6 +146,20 @@ def test_a_front_of_runs_shows_both_errors_over_their_seconds(made):
         assert sorted(points) == sorted(expected)
     with pytest.raises(ValueError, match="a front needs table.seconds: true"):
         made.draw("law", timed)
+
+
+def test_a_run_that_failed_before_its_first_output_has_no_errors(tabulated):
+    """A tolerance that the grid cannot keep: the other runs have their rows all the same."""
+    law = STUDY[STUDY.index("  law:") : STUDY.index("  run:\n")]
+    head = "title: tiny\nexperiments:\n"
+    block = "      - {diffusion: 0.1, N: 8, R: 9.0, method: fast, rtol: 1.0e-9}\n    table:"
+    table = tabulated(head + replaced(law, "    table:", block)).tables["law"]
+    assert [Status(int(status)) for status in table["status"]] == [Status.OK] * 4 + [Status.FAILED]
+    for name in ("largest_temperature_error", "a2_error_estimate", "temperature"):
+        np.testing.assert_array_equal(np.isnan(table[name]), [False] * 4 + [True])
+    assert table.attrs["truth"] == "exact law"
+    rows = [line for line in markdown_table(table).splitlines() if line.endswith(" failed |")]
+    assert len(rows) == 1 and "nan" not in rows[0]
 
 
 @pytest.mark.parametrize(
