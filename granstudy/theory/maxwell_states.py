@@ -18,11 +18,14 @@ from math import comb
 
 import numpy as np
 import scipy
-from scipy.special import gammaln, hyp2f1, roots_jacobi
+from scipy.special import gamma, gammaln, hyp2f1, roots_jacobi
 
 from granstudy.theory.broadcast import Result, over_arrays
 from granstudy.theory.checks import check_restitution
 from granstudy.velocity.space import check_dim
+
+LARGE = 1e4
+"""s from which on ⟨a^s⟩ and ⟨b^s⟩ are taken at large s; ₂F₁ loses its digits near 10⁶."""
 
 
 @over_arrays(
@@ -117,12 +120,18 @@ def decay_rate(s: float, restitution: float, dim: int) -> float:
     """r_s = 1 − ⟨a^s⟩ − ⟨b^s⟩ for real s > 0.
 
     y has the Beta(δ, δ) distribution on (0, 1), δ = (d−1)/2. With z = 4α(1−α), ⟨y^s⟩ = (δ)_s/(2δ)_s and
-    ⟨(1 − zy)^s⟩ = ₂F₁(−s, δ; 2δ; z).
+    ⟨(1 − zy)^s⟩ = ₂F₁(−s, δ; 2δ; z). For large s both are those of y near 0, ⟨y^s⟩ = s^{−δ} Γ(2δ)/Γ(δ) and
+    ⟨(1 − zy)^s⟩ = (zs)^{−δ} Γ(2δ)/Γ(δ), up to a relative 1/s.
     """
     alpha, delta = (1.0 + restitution) / 4.0, (dim - 1) / 2
+    z = 4 * alpha * (1 - alpha)
+    if s > LARGE:
+        a_mean = z**-delta
+        b_mean = np.exp(2 * s * np.log(2 * alpha))
+        return float(1.0 - (a_mean + b_mean) * s**-delta * gamma(2 * delta) / gamma(delta))
     pochhammers = gammaln(delta + s) - gammaln(delta) - gammaln(2 * delta + s) + gammaln(2 * delta)
     b_mean = np.exp(2 * s * np.log(2 * alpha) + pochhammers)
-    return float(1.0 - hyp2f1(-s, delta, 2 * delta, 4 * alpha * (1 - alpha)) - b_mean)
+    return float(1.0 - hyp2f1(-s, delta, 2 * delta, z) - b_mean)
 
 
 def _first_moments(order: int, restitution: float, dim: int) -> np.ndarray:

@@ -5,7 +5,7 @@ import pytest
 from discrete_measure import collision_rate, directions
 
 from granstudy import theory
-from granstudy.theory.maxwell_states import decay_rate
+from granstudy.theory.maxwell_states import LARGE, decay_rate
 
 each_dim = pytest.mark.parametrize("dim", [2, 3])
 
@@ -113,3 +113,23 @@ def test_arguments_outside_their_range():
             law(0, 0.2, 2)
     with pytest.raises(ValueError, match="restitution=-0.1"):
         theory.maxwell_tail_exponent(-0.1, 2)
+
+
+@pytest.mark.parametrize("s", [50.0, 0.99 * LARGE, 1.01 * LARGE, 1e7])
+@pytest.mark.parametrize("e", [0.5, 0.999, 1.0 - 1e-9])
+def test_rates_of_decay_are_right_at_any_order(e, s):
+    """In 3D, y is uniform on (0, 1): both means are known in closed form."""
+    z, b = (1.0 + e) * (3.0 - e) / 4, ((1.0 + e) / 2) ** 2
+    exact = 1.0 - ((1.0 - (1.0 - z) ** (s + 1)) / z + np.exp(s * np.log(b))) / (s + 1)
+    assert decay_rate(s, e, 3) == pytest.approx(exact, abs=2.0 / s**2 + 1e-11)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_the_tail_exponent_goes_over_into_that_of_an_elastic_gas(dim):
+    """p → 2/r_1 = 8/(1 − e²), with which it grows without bound."""
+    ratios = [
+        theory.maxwell_tail_exponent(e, dim) * (1.0 - e**2) / 8.0
+        for e in (0.99, 0.9999, 1.0 - 1e-9, 1.0 - 2.0**-53)
+    ]
+    assert ratios == sorted(ratios)
+    assert ratios[-1] == pytest.approx(1.0, abs=1e-7)
