@@ -86,10 +86,14 @@ def main(names: tuple[str, ...], results: str) -> None:
             found = worst_of_each_table(
                 Path(layout.results) / "tables", COMMITTED / name / "tables"
             )
+            tables = {path.name for path in made(layout)}
             gone = refresh(layout, COMMITTED / name)
+            tables |= {path.name for path in gone}
         except (ValueError, FileNotFoundError) as error:
             raise click.ClickException(str(error)) from None
         for table, (grade, text) in found.items():
+            if table not in tables:  # of an experiment whose table is not asked for
+                continue
             click.echo(f"{grade.name.lower():8}{table:24}{text}")
         for path in gone:
             click.echo(f"removed {path.relative_to(REPOSITORY)}")

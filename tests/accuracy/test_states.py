@@ -90,8 +90,8 @@ def test_the_tail_is_seen_as_far_as_grids_agree(heated):
         ([1.0, 1.1, 1.101], 0.001),
         ([1.0, 1.1, 1.25], np.inf),
         ([1.0, 1.0, 1.1], np.inf),
-        # A change that is small by chance counts as the next one; the last then counts as 0.025.
-        ([1.0, 1.4, 1.2, 1.2 + 1e-6, 1.15, 1.1375], 0.025 * 0.5**0.5 / (1 - 0.5**0.5)),
+        # A change that is small by chance counts as the next one; the last then counts as 0.035.
+        ([1.0, 1.4, 1.2, 1.2 + 1e-6, 1.15, 1.1375], 0.035 * 0.7**0.5 / (1 - 0.7**0.5)),
         ([1.0, 1.0 + 1e-11, 1.0 + 4e-11], ladder.ROUND_OFF),
     ],
 )

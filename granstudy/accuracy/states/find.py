@@ -9,7 +9,7 @@ from granstudy.accuracy.asked import Accuracy
 from granstudy.accuracy.simulate import Asked, accuracy_asked
 from granstudy.accuracy.states.dataset import described
 from granstudy.accuracy.states.exact import EXACT_UP_TO, ExactState, has_exact_moments
-from granstudy.accuracy.states.ladder import LADDER, Found, measured, round_off_beyond
+from granstudy.accuracy.states.ladder import FEWEST, LADDER, Found, measured, round_off_beyond
 from granstudy.model.scene import Scene
 from granstudy.model.solver import Solver
 from granstudy.states.solve import FIND, check_state
@@ -150,10 +150,11 @@ def state_to(
             exact = ExactState.of(scene, state, states[-1])
         grids.append(measured(states) if exact is None else exact.on_grid(states[-1]))
         enough = grids[-1].off(asked) <= 1.0 or (exact is not None and N >= EXACT_UP_TO)
-        if (enough and len(grids) > 1) or round_off_beyond(states[-1], R) > asked.a2:
+        if (enough and len(grids) >= FEWEST) or round_off_beyond(states[-1], R) > asked.a2:
             break
-    if exact is None:  # the last grid is not the best where round-off is larger than what it gains
-        grids = grids[: 1 + min(range(len(grids)), key=lambda i: grids[i].off(asked))]
+    if exact is None and grids[-1].off(asked) > 1.0:  # round-off may be larger than what R gains
+        best = min(range(len(grids)), key=lambda i: grids[i].off(asked))
+        grids = grids[: best + 1]
     answer = grids[-1] if exact is None else exact.in_place(states[-1])
     return described(scene, asked, state, answer, grids, unit)
 

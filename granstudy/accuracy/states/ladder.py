@@ -30,8 +30,11 @@ SAFETY = 3.0
 FASTEST = 0.2
 """Least ratio of a change to the one before that is counted on for the changes to come."""
 
-EXPECTED = 0.5
+EXPECTED = 0.7
 """A change counts as at least this part of what the changes before let expect: one may be small by chance."""
+
+FEWEST = 4
+"""Grids that a state is found on at least: three changes, and so two of their ratios."""
 
 ROUND_OFF = 1e-8
 """Changes so small are round-off and what Newton's method leaves; no error is less."""
@@ -72,13 +75,15 @@ def measured(states: Sequence[xr.Dataset]) -> Found:
         return error_by_changes([abs(b - a) / unit for a, b in pairwise(values)])
 
     a2 = error("a2") + moment_round_off(last, 2)
-    if len(states) < 4:  # two ratios of changes are not known yet
+    if len(states) < FEWEST:
         a2 = max(a2, float(last["a2_error_estimate"]) / BALANCED)
     temperature = max(error("cooling_coefficient", True), error("temperature", True))
-    a3 = error("a3") + moment_round_off(last, 3)
-    return Found(
-        last, min(temperature, UNKNOWN), min(a2, UNKNOWN), a3 if np.isfinite(a3) else np.nan
-    )
+    a3 = error("a3")
+    if not np.isfinite(a3):  # nobody asked for it, so that the grid does not grow until it is known
+        values = [float(ds["a3"]) for ds in states[-4:]]
+        a3 = SAFETY**2 * max(abs(b - a) for a, b in pairwise(values))
+    a3 += moment_round_off(last, 3)
+    return Found(last, min(temperature, UNKNOWN), min(a2, UNKNOWN), a3)
 
 
 def moment_round_off(ds: xr.Dataset, n: int) -> float:

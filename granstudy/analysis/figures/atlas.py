@@ -48,18 +48,20 @@ class Row:
 ROWS = (
     Row("$a_2$", lambda ds: ds["a2"], "symlog", 0.01),
     Row(
-        r"linear theory: $a_{2,\mathrm{lin}}-a_2$", lambda ds: ds["a2_linear"] - ds["a2"], "symlog"
+        "linear theory:\n" r"$a_{2,\mathrm{lin}}-a_2$",
+        lambda ds: ds["a2_linear"] - ds["a2"],
+        "symlog",
     ),
     Row("$a_3$", lambda ds: ds["a3"], "symlog", 0.01),
     Row("$K$", lambda ds: ds["cooling_coefficient"], "log"),
     Row(
-        r"linear theory: $K_\mathrm{lin}/K-1$",
+        "linear theory:\n" r"$K_\mathrm{lin}/K-1$",
         lambda ds: ds["cooling_coefficient_linear"] / ds["cooling_coefficient"] - 1.0,
         "symlog",
         1e-5,
     ),
     Row("tail: $A$\n(cooling, $\\lambda=0$: $s$)", lambda ds: ds["tail_rate"], "log"),
-    Row("estimated error of $a_2$", lambda ds: ds["a2_error"].where(ds["exponent"] > 0), "log"),
+    Row("estimated\nerror of $a_2$", lambda ds: ds["a2_error"].where(ds["exponent"] > 0), "log"),
 )
 """The rows of an atlas, from top to bottom."""
 
@@ -85,7 +87,7 @@ def draw_atlas(atlas: xr.Dataset) -> Figure:
                 drawn = _map(ax, part, norm, colours)
                 _hatch(ax, part, atlas["trust"].sel(state=state, dim=dim).values)
             bar = figure.colorbar(drawn, ax=line.tolist(), pad=0.01, aspect=12)
-            bar.set_label(row.label.replace(": ", ":\n"), fontsize=8)
+            bar.set_label(row.label, fontsize=8)
             line[0].set_ylabel(r"$\lambda$")
         for ax, (state, dim) in zip(axes[0], columns, strict=True):
             ax.set_title(f"{state}, {dim}D")

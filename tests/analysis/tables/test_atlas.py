@@ -8,7 +8,14 @@ import granstudy as gs
 from granstudy import theory
 from granstudy.analysis.figures.atlas import ROWS, draw_atlas
 from granstudy.analysis.requests import check_requests
-from granstudy.analysis.tables.atlas import AXES, WITH_ERRORS, atlas_of, write_atlas
+from granstudy.analysis.tables.atlas import (
+    AXES,
+    LEAST,
+    LEAST_OF,
+    WITH_ERRORS,
+    atlas_of,
+    write_atlas,
+)
 from granstudy.study.layout import Layout
 from granstudy.trust.flags import Trust
 
@@ -47,7 +54,9 @@ def test_an_atlas_has_every_state_with_its_errors(atlas):
     for name in WITH_ERRORS:
         assert atlas[name].dims == AXES
         assert float(one[name]) == float(state[name])
-        assert float(one[f"{name}_error"]) == float(state[f"{name}_error"])
+        own = float(state[f"{name}_error"])
+        least = LEAST * float(one[name]) if LEAST_OF.get(name) else LEAST
+        assert float(one[f"{name}_error"]) == (max(own, least) if name in LEAST_OF else own)
         assert atlas[name].attrs["ancillary_variables"] == f"{name}_error"
         assert {"long_name", "units"} <= set(atlas[name].attrs)
     assert float(one["a2_linear"]) == theory.cooling_state_a2(0.9, 3, 0.5)
@@ -55,6 +64,12 @@ def test_an_atlas_has_every_state_with_its_errors(atlas):
     assert float(atlas["accuracy"]) == 1e-2
     assert bool(np.all(atlas["trust"] == Trust.TRUSTED))
     assert bool(atlas["a2_divided"].sel(state="heated").isnull().all())
+
+
+def test_exact_numbers_keep_their_errors(atlas):
+    exact = atlas.sel(exponent=0.0)
+    assert float(exact["a2_error"].max()) < 1e-11
+    assert float(atlas["a2_error"].sel(exponent=[0.5, 1.0]).min()) >= LEAST
 
 
 def test_linear_theory_of_K_is_that_of_a_gaussian_but_for_a2(atlas):
