@@ -76,8 +76,12 @@ def test_every_block_of_code_says_what_it_is(page):
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """A folder with what the pages begin with: the study of `granstudy new`, a density of one's own."""
+    """A folder with what the pages begin with: the study of `granstudy new`, a density of one's own.
+
+    Committed results are where they are in a clone.
+    """
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "docs").symlink_to(ROOT / "docs")
     template = ROOT / "granstudy" / "commands" / "templates"
     shutil.copyfile(template / "cooling.yaml", "my_study.yaml")
     shutil.copyfile(template / "my_gas.py", "my_gas.py")
