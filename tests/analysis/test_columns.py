@@ -31,7 +31,7 @@ def test_every_committed_column_has_a_row_and_stands_in_reading_order(path):
     states = "estimated_a2_error" in columns
     beside = OTHERS if states else []
     assert {listed(name, beside) for name in columns} <= COLUMNS.keys()
-    if path.stem != "map":  # which says last whether its labels are wrong
+    if path.stem not in ("map", "atlas"):  # labels that are wrong last; an error by its number
         assert reading_order(columns, columns[0], beside, as_built=states) == columns
 
 
