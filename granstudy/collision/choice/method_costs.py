@@ -75,8 +75,8 @@ PLANNED_SHELLS = 36
 PLANNING_MEMORY = 150
 """Numbers for each grid point that choosing a quadrature keeps: the parts of all shells, rule by rule."""
 
-SECONDS_PER_WEIGHT = 6.4e-8
-"""Seconds of one node of the integrals in the tensor of `radial`."""
+SECONDS_PER_WEIGHT, SECONDS_PER_INTERPOLATION = 2.4e-7, 1.35e-9
+"""Seconds of the tensor of `radial`: of one value of its tables, and of each of N⁴ interpolated ones."""
 
 SECONDS_PER_TERM = 2.0e-10
 """Seconds of one of the N³ terms in the bilinear form of `radial`."""
@@ -257,14 +257,15 @@ FAST = MethodCost(
 
 
 def _tensor(scene: Scene, solver: SizedSolver) -> tuple[tuple[str, float], ...]:
-    """The tensor where none is in the cache: N²/2 pairs of modes, about 24 + N angles, 24 + 4N/3 shells."""
+    """The tensor where none is in the cache: tables for N²/2 pairs of modes at about 24 + N values each."""
     if callable(scene.restitution):
         return ()  # `radial` refuses it
     name = tensor_name(scene.dim, solver.N, float(scene.kernel.exponent), float(scene.restitution))
     if is_kept(name):
         return ()
-    nodes = solver.N**2 / 2 * (24 + solver.N) * (24 + 4 * solver.N / 3)
-    return ((name, nodes * SECONDS_PER_WEIGHT),)
+    tables = solver.N**2 / 2 * (24 + solver.N)
+    seconds = tables * SECONDS_PER_WEIGHT + solver.N**4 * SECONDS_PER_INTERPOLATION
+    return ((name, seconds),)
 
 
 RADIAL = MethodCost(
