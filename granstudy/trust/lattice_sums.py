@@ -10,6 +10,7 @@ leaves no power of h. Its first term is Epstein's zeta function, E(0) = Z_d(−s
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from scipy.fft import dct
@@ -90,9 +91,7 @@ def radial_excess(dim: int, nodes: np.ndarray, s: float) -> np.ndarray:
     if s % 2.0 == 0.0:  # no kink
         return np.zeros((N, N))
     q = s + dim - 1.0
-    modes = 8 * N
-    [images] = image_sums(1, modes, [q])
-    line = dct(images, type=1) / (2 * modes)
+    line = _on_a_line(N, q)
     # c Γ((1+q)/2) of the line; Γ(−q/2) cancels in 2D
     c = 2.0 ** (1 + q) * np.sqrt(np.pi) * gamma((1 + q) / 2)
     index = np.arange(1, N + 1)
@@ -105,3 +104,15 @@ def radial_excess(dim: int, nodes: np.ndarray, s: float) -> np.ndarray:
     root = np.sqrt(np.gradient(nodes))
     scale = np.multiply.outer(root, root) ** q / np.sqrt(np.multiply.outer(nodes, nodes))
     return np.asarray(c * A * scale * line[apart])
+
+
+@lru_cache(maxsize=64)
+def _on_a_line(N: int, q: float) -> np.ndarray:
+    """Σ over images of |k|^{−1−q} on a line, at the distances of nodes; shape (8N + 1,).
+
+    Kept: the search for a radius asks for it again and again.
+    """
+    modes = 8 * N
+    [images] = image_sums(1, modes, [q])
+    line: np.ndarray = dct(images, type=1) / (2 * modes)
+    return line
