@@ -207,8 +207,7 @@ class Chooser:
         if source.grid == tried.leg.grid:
             return Change(0.0, 0.0)
         before, after = (source.f, source.grid), (tried.f, tried.leg.grid)
-        cooling, shaping, _ = shape_error(self._gas, before, after)
-        return Change(cooling, shaping).scaled(1.0 / tried.balance.relaxing)
+        return shape_error(self._gas, before, after).scaled(1.0 / tried.balance.relaxing)
 
     def _chosen(
         self, tried: Tried, place: Place, error: Change, reason: str, state: Any = None

@@ -200,7 +200,7 @@ class Run:
         except ToleranceError:
             return None
         self._restarts += 1
-        reason = f"begun again: on N={leg.solver.N}, R={leg.solver.R:.3g} {wish.reason} at t = {time:.3g}"
+        reason = _begun_again(leg, wish, time)
         steps = self.outcome.steps
         self.ledger, self.outcome = Ledger(), Outcome(steps=steps)
         self._first, self._not_before = {}, -np.inf
@@ -320,7 +320,7 @@ class Run:
             early = self.ledger.clock <= EARLY * self._chooser.left
             again = self._from_the_start(leg, wish, time) if other.needed and early else None
             return again or self._enter(other, time)
-        reason = f"begun again: on N={leg.solver.N}, R={leg.solver.R:.3g} {wish.reason} at t = {time:.3g}"
+        reason = _begun_again(leg, wish, time)
         further = time > self._reached or not self._grown
         self._reached, self._grown = max(time, self._reached), further
         if not further:
@@ -352,6 +352,12 @@ class Run:
             moments = physical_moments(values, 1.0, place.velocity + values["velocity"])
         record.times.append(point.time)
         record.moments.append(moments)
+
+
+def _begun_again(leg: Leg, wish: Wish, time: float) -> str:
+    """The reason of a leg that begins again, from what went wrong on another."""
+    solver = leg.solver
+    return f"begun again: on N={solver.N}, R={solver.R:.3g} {wish.reason} at t = {time:.3g}"
 
 
 def left_of(leg: Leg, state: np.ndarray, time_left: float) -> float:

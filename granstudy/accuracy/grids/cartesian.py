@@ -67,14 +67,14 @@ the gas relaxes."""
 EXTENDED = 1.1
 """Factor at least from one radius to the next."""
 
+LARGEST_GROWTH = 1.3
+"""The same at most."""
+
 LARGEST_SLACK = 0.3
 """Growth of errors of the shape over the allowed one, up to which a quadrature becomes looser."""
 
 CLOSER = (1.05, 1.18)
 """Points on a length over the present ones that are tried."""
-
-LARGEST_GROWTH = 1.3
-"""The same at most."""
 
 SHELLS, LEVEL = 8, 2
 """Shells, and step of the ladder of rules on each, that aliasing is measured with."""

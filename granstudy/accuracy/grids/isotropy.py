@@ -7,13 +7,19 @@ So the error of going on with f0 is of second order.
 
 import numpy as np
 
-from granstudy.accuracy.grids.regrid import POINTS, Kept, kept_moments, line_weights, with_moments
+from granstudy.accuracy.grids.regrid import (
+    POINTS,
+    kept_moments,
+    line_weights,
+    rate_difference,
+    with_moments,
+)
 from granstudy.model.scene import Scene
 from granstudy.quadrature.circle import circle_rule
 from granstudy.quadrature.sphere import sphere_rule
 from granstudy.trust.changes import Change
 from granstudy.trust.error_estimate import a2_relaxation
-from granstudy.trust.pair_rates import CollisionRates, Rates
+from granstudy.trust.pair_rates import CollisionRates
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.radial import BALL_RATIO, RadialGrid
 
@@ -83,13 +89,6 @@ def switching_error(
     relaxation = a2_relaxation(scene.restitution, scene.dim, scene.kernel.exponent) * mine.frequency
     difference = rate_difference(mine, its, kept)
     return difference.scaled(1.0 / (SQUARE * relaxation))
-
-
-def rate_difference(mine: Rates, its: Rates, kept: Kept) -> Change:
-    """Differences of T'/T and of a2'/(1 + a2) between two densities with the same moments."""
-    cooling = 2.0 * (mine.energy - its.energy) / kept.second
-    fourth = (mine.fourth - its.fourth) / kept.fourth
-    return Change(abs(cooling), abs(fourth - 2.0 * cooling))
 
 
 def anisotropy(pressure: np.ndarray) -> float:

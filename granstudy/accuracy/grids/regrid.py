@@ -10,6 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from granstudy.trust.changes import Change
+from granstudy.trust.pair_rates import Rates
 from granstudy.velocity.cartesian import VelocityGrid
 from granstudy.velocity.radial import RadialGrid
 from granstudy.velocity.space import VelocitySpace
@@ -42,6 +44,13 @@ def kept_moments(f: np.ndarray, grid: VelocitySpace) -> Kept:
     m = grid.velocity_moments(f)
     second = float(np.trace(m.pressure))
     return Kept(float(m.density), m.momentum / m.density, second, float(m.fourth))
+
+
+def rate_difference(mine: Rates, its: Rates, kept: Kept) -> Change:
+    """Differences of T'/T and of a2'/(1 + a2) between two densities with the same moments."""
+    cooling = 2.0 * (mine.energy - its.energy) / kept.second
+    fourth = (mine.fourth - its.fourth) / kept.fourth
+    return Change(abs(cooling), abs(fourth - 2.0 * cooling))
 
 
 def regrid(f: np.ndarray, source: VelocitySpace, target: VelocitySpace) -> np.ndarray:

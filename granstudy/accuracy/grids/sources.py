@@ -6,12 +6,18 @@ from typing import Protocol
 
 import numpy as np
 
-from granstudy.accuracy.grids.regrid import Kept, kept_moments, regrid, with_moments
+from granstudy.accuracy.grids.regrid import (
+    Kept,
+    kept_moments,
+    rate_difference,
+    regrid,
+    with_moments,
+)
 from granstudy.accuracy.leg import Gas
 from granstudy.trust.changes import Change
-from granstudy.trust.error_estimate import Imbalance, a2_relaxation, imbalance
+from granstudy.trust.error_estimate import a2_relaxation
 from granstudy.trust.initial_errors import StartMoments
-from granstudy.trust.pair_rates import CollisionRates
+from granstudy.trust.pair_rates import CollisionRates, Rates
 from granstudy.velocity.radial import RadialGrid
 from granstudy.velocity.space import VelocitySpace
 
@@ -61,23 +67,18 @@ class Initial:
         lost = Change(abs(T / self.true.temperature - 1.0) + mass, abs(a2 - self.true.a2) + mass)
         if not isinstance(grid, RadialGrid) or max(lost) < EDGE or max(lost) > UNSEEN:
             return lost
-        exact, found = self._reference, self._rates(grid)
+        exact, found = self._reference, CollisionRates(self.gas.scene, grid)(self.on(grid))
         relaxing = a2_relaxation(self.gas.scene.restitution, d, self.gas.scene.kernel.exponent)
-        by_shape = Change(
-            abs(found.cooling - exact.cooling), abs(found.shaping - exact.shaping)
-        ).scaled(SHAPES_COUNT / (relaxing * exact.frequency))
+        by_shape = rate_difference(found, exact, kept_of(self.true, d))
+        by_shape = by_shape.scaled(SHAPES_COUNT / (relaxing * exact.frequency))
         return Change(*map(min, lost, by_shape))
 
-    def _rates(self, grid: VelocitySpace) -> Imbalance:
-        """Exact rates of the density on a grid."""
-        rates = CollisionRates(self.gas.scene, grid)
-        return imbalance(rates, self.on(grid), Change(0.0, 0.0))
-
     @cached_property
-    def _reference(self) -> Imbalance:
+    def _reference(self) -> Rates:
         """Exact rates of the density over many speeds."""
         R = REFERENCE_RADIUS * float(np.sqrt(self.true.temperature))
-        return self._rates(RadialGrid(self.gas.scene.dim, REFERENCE_SPEEDS, R))
+        reference = RadialGrid(self.gas.scene.dim, REFERENCE_SPEEDS, R)
+        return CollisionRates(self.gas.scene, reference)(self.on(reference))
 
 
 @dataclass(frozen=True)
@@ -105,12 +106,10 @@ def kept_of(true: StartMoments, dim: int) -> Kept:
 
 def shape_error(
     gas: Gas, before: tuple[np.ndarray, VelocitySpace], after: tuple[np.ndarray, VelocitySpace]
-) -> tuple[float, float, float]:
-    """What a change of grid did to the shape: differences of the exact T'/T and a2'/(1 + a2), and frequency.
+) -> Change:
+    """What a change of grid did to the shape: by how much the exact rates of T and a2 differ.
 
     Both densities have the same moments; their exact rates differ as their shapes do.
     """
-    nothing = Change(0.0, 0.0)
-    rates = [imbalance(CollisionRates(gas.scene, grid), f, nothing) for f, grid in (before, after)]
-    cooling = abs(rates[0].cooling - rates[1].cooling)
-    return cooling, abs(rates[0].shaping - rates[1].shaping), rates[1].frequency
+    one, other = (CollisionRates(gas.scene, grid)(f) for f, grid in (before, after))
+    return rate_difference(one, other, kept_moments(*before))
